@@ -29,6 +29,7 @@ const bis_subcommand bis_subcommands[] = {
     {"compare", bis_cmd_compare, "compare two images (EXR, PFM, HDR, PNG)"},
     {"convert", bis_cmd_convert, "a picture in another format; exposure and tone curve for a PNG"},
     {"envmap", NULL, "what is in a map; levels, regions, importance as pictures"},
+    {"judge", NULL, "is a picture of another renderer right, and if not, why?"},
     {"pixel", NULL, "all about one pixel: every method against the exact integral"},
     {"verify", bis_cmd_verify, "is it right? samplers, materials, integrators on your own files"},
     {"tev", NULL, "render, and show the passes in the viewer tev"},

@@ -13,7 +13,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.a
 sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 from bis import _library  # noqa: E402
 
-INSTRUMENTS = ("trade", "pixel", "envmap", "tev")
+INSTRUMENTS = ("trade", "pixel", "envmap", "judge", "tev")
 
 
 class Start(unittest.TestCase):

@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -23,13 +22,14 @@ import numpy as np
 from ... import Envmap, Error, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
-from .verdict import Flags, Truth, Verdict, judge, outlines_of
+from .verdict import ROUNDING, Truth, Verdict, fit, judge, outlines_of
 
-COPIES = 16
-LEVELS = (2, 8, 32, 128)  #: camera samples of a copy
+LEVELS = ((4, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
 REJECTED = 1e-5  #: p below which a cause is refined no more
+SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
 FINE = 8  #: subpixels along a pixel's side, for films and filters
 RAYS = 512  #: at a pixel, for a quotient
+GROUPS = 16  #: of them
 MOST = 10000  #: pixels of a cause's picture: of larger pictures each k-th pixel is taken
 LAYERS = ("normal", "depth", "unoccluded")
 
@@ -45,40 +45,51 @@ class Found(NamedTuple):
 # ---- the pictures ----
 
 class Studio:
-    """Pictures of one scene, by 16 seeds each."""
+    """Pictures of one scene, by several seeds each."""
 
-    def __init__(self, source: str, light: Optional[Envmap], step: int = 1,
+    def __init__(self, source: str, light: Optional[Envmap], map_: Optional[Envmap], step: int = 1,
                  approximate: bool = False) -> None:
         self.source = source  #: of the scene, a file's name or a text
-        self.light = light  #: its map, if it has one
-        self.step = step
+        self.light = light  #: in the place of its own
+        self.map = map_  #: what may be changed; None: it has none, or it is not known
         self.approximate = approximate
+        self.step = step
         self.scene = self._open(source)
-        self.spp = LEVELS[0]
-        self._outlines: Optional[Flags] = None
-        self._weights: dict[str, Doubles] = {}
+        self.at(LEVELS[0])
+        self._quotients: dict[Any, Doubles] = {}
+        p = self.scene.render(spp=4, step=step, layers=LAYERS)
+        self.alpha = p.alpha.astype(float)
+        self.outlines = outlines_of(p.layers["normal"].astype(float),
+                                     p.layers["depth"].astype(float), self.alpha)
 
     def _open(self, source: str) -> Scene:
         return Scene(source, light=self.light, approximate=self.approximate)
 
+    def at(self, level: tuple[int, int]) -> None:
+        """Make pictures of so many copies and camera samples from here on."""
+        self.n, self.spp = level
+        self._kept: dict[Any, Doubles] = {}
+
     def copies(self, light: Any = None, scene: Optional[Scene] = None, layer: str = "",
                **how: Any) -> Doubles:
-        """Copies (16, h, w, 3) of the picture, or of a layer, under another light."""
-        scene = scene or self.scene
-        how = {"spp": self.spp, "step": self.step, **how}
+        """Copies (n, h, w, 3) of the picture, or of a layer, under another light."""
+        key = (layer, tuple(how.items()))
+        is_own = light is None and scene is None
+        if is_own and key in self._kept:
+            return self._kept[key]
+        how = {"spp": self.spp, "step": self.step, "layers": layer or "none", **how}
         out = []
-        for i in range(COPIES):
-            p = scene.render(light=light, seed=7919 * self.spp + i, layers=LAYERS, **how)
+        for i in range(self.n):
+            p = (scene or self.scene).render(light=light, seed=7919 * self.spp + i, **how)
             out.append(p.layers[layer] if layer else p.rgb)
-        if self._outlines is None and not layer:
-            self.alpha = p.alpha.astype(float)
-            self._outlines = outlines_of(p.layers["normal"].astype(float),
-                                         p.layers["depth"].astype(float), self.alpha)
-        return np.array(out, float)
+        copies = np.array(out, float)
+        if is_own:
+            self._kept[key] = copies
+        return copies
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
         """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
-        return Truth(copies, self._outlines | unknown)
+        return Truth(copies, self.outlines | unknown)
 
     def right(self) -> Truth:
         """The right picture."""
@@ -86,17 +97,22 @@ class Studio:
 
     def under(self, change: Callable[[Floats], Any]) -> Truth:
         """The picture under a changed map."""
-        pixels = np.ascontiguousarray(change(self.light.pixels), np.float32)
+        pixels = np.ascontiguousarray(change(self.map.pixels), np.float32)
         return self.truth(self.copies(light=Envmap(pixels)))
 
+    @property
+    def text(self) -> str:
+        """The text of the scene."""
+        if "WorldBegin" in self.source:
+            return self.source
+        with open(self.source, encoding="utf-8", errors="surrogateescape") as f:
+            return f.read()
+
     def edited(self, change: Callable[[str], str]) -> Optional[Truth]:
-        """The picture of a changed text; None: the text has nothing to change."""
-        text = self.source
-        if "WorldBegin" not in text:
-            with open(text, encoding="utf-8", errors="surrogateescape") as f:
-                text = f.read()
-        changed = change(text)
-        if changed == text or "Include" in text:
+        """The picture of a changed text; None: the text has nothing to change, or names files, which
+        the text alone would look for elsewhere."""
+        changed = change(self.text)
+        if changed == self.text or (self.light is None and "filename" in self.text):
             return None
         return self.truth(self.copies(scene=self._open(changed)))
 
@@ -104,8 +120,7 @@ class Studio:
         """Copies of FINE x FINE subpixels a pixel."""
         size = self.scene.about()
         spp = max(self.spp // (FINE * FINE), 1)
-        return self.copies(width=FINE * size["width"], height=FINE * size["height"], spp=spp,
-                           layer="", step=1)
+        return self.copies(width=FINE * size["width"], height=FINE * size["height"], spp=spp)
 
     def filtered(self, taps: Doubles, y: int = 0, x: int = 0) -> Truth:
         """The picture by a filter along x and y, as weights of subpixels about a place (y, x)
@@ -123,36 +138,34 @@ class Studio:
         rim[3:-3, 3:-3] = False
         return self.truth(c, rim)
 
-    def weighed(self, weight: Callable[[Doubles, Doubles, dict[str, Any]], Doubles]) -> Truth:
-        """The picture with f cos times a weight of n.wi (m,), wi (m, 3) and the hit."""
+    def weighed(self, weight: Callable[[Doubles, dict[str, Any]], Doubles]) -> Truth:
+        """The picture with f cos times a weight of n.wi (m,) and of what is hit."""
+        if weight not in self._quotients:
+            q = np.ones((GROUPS,) + self.alpha.shape)
+            stage = self.scene.stage()
+            for y, x in np.argwhere(self.alpha == 1).tolist():
+                if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
+                    q[:, y, x] = _quotient(stage, weight, y * 65537 + x)
+            self._quotients[weight] = q
         copies = self.copies()
-        quotients = np.ones(copies.shape[:3])
-        unknown = (self.alpha > 0) & (self.alpha < 1)
-        stage = self.scene.stage()
-        for y, x in np.argwhere(self.alpha == 1).tolist():
-            place = [self.step * v + self.step // 2 for v in (x, y)]
-            if stage.at(*place):
-                quotients[:, y, x] = _quotient(stage, weight, y * 65537 + x)
-        return self.truth(copies * quotients[..., None], unknown)
+        q = self._quotients[weight][:len(copies), :, :, None]
+        return self.truth(copies * q, (self.alpha > 0) & (self.alpha < 1))
 
 
 def _quotient(stage: Any, weight: Any, seed: int) -> Doubles:
-    """How the weight changes the radiance at a stage's point: 16 pseudo-values of a jackknife."""
-    rays = stage.rays(runs=COPIES, seed=seed, integrator="em", samples=RAYS // COPIES)
+    """How the weight changes the radiance at a stage's point: pseudo-values of a jackknife."""
+    rays = stage.rays(runs=GROUPS, seed=seed, integrator="em", samples=RAYS // GROUPS)
     hit = stage.about()["hit"]
-    wi = rays.wi.astype(float)
     look = stage.look(rays.wi)
-    part = np.divide(look.product * rays.seen, look.q_map, out=np.zeros(len(wi)),
+    part = np.divide(look.product * rays.seen, look.q_map, out=np.zeros(len(rays.wi)),
                      where=look.q_map > 0)
-    both = np.stack([part, part * weight(wi @ np.array(hit["normal"]), wi, hit)])
-    sums = np.stack([np.bincount(rays.sample, b, COPIES) for b in both])
+    other = part * weight(rays.wi.astype(float) @ np.array(hit["normal"]), hit)
+    sums = np.stack([np.bincount(rays.sample, b, GROUPS) for b in (part, other)])
     total = sums.sum(1, keepdims=True)
-    if total[0, 0] <= 0:
-        return np.ones(COPIES)
     without = total - sums
-    q = total[1] / total[0]
-    without = np.where(without[0] > 0, without[1] / np.maximum(without[0], 1e-300), q)
-    return COPIES * q - (COPIES - 1) * without
+    if not (without[0] > 0).all():
+        return np.ones(GROUPS)
+    return GROUPS * total[1] / total[0] - (GROUPS - 1) * without[1] / without[0]
 
 
 # ---- maps ----
@@ -241,14 +254,15 @@ FACTORS = {
     "four times the light (+2 EV)": 4.0, "a quarter of the light (-2 EV)": 0.25}
 
 
-def _factor(theirs: Doubles, truth: Truth) -> tuple[str, Truth]:
-    """The factor by which they differ, if it is one, and its name."""
-    v = judge(theirs, truth)
-    name = "the light times %.4g +- %.2g" % (v.ratio, v.ratio_se)
-    for known, f in FACTORS.items():
-        if abs(v.ratio - f) <= 3 * v.ratio_se + 1e-4 * f:
-            return known, Truth(truth.copies * f, truth.outlines)
-    return name, Truth(truth.copies * v.ratio, truth.outlines)
+def _factor(theirs: Doubles, of: Truth, fixed: Doubles) -> tuple[str, Truth]:
+    """The factor of a picture, without a fixed part (h, w, 3), by least squares over tiles; and its
+    name."""
+    f, se = fit(theirs - fixed, Truth(of.copies - fixed, of.outlines))
+    name = "the light times %.4g +- %.1g" % (f, se)
+    for known, value in FACTORS.items():
+        if abs(f - value) <= 4 * se:
+            name, f = known, value
+    return name, Truth(fixed + f * (of.copies - fixed), of.outlines)
 
 
 # ---- scenes and films ----
@@ -303,7 +317,7 @@ FILTERS = {
 }
 
 
-def _separable(cos: Doubles, wi: Doubles, hit: dict[str, Any]) -> Doubles:
+def separable(cos: Doubles, hit: dict[str, Any]) -> Doubles:
     """The masking of facets as a product of two, over the one that is correlated in height."""
     alpha = hit["material"]["alpha"]
     if alpha is None:
@@ -316,8 +330,8 @@ def _separable(cos: Doubles, wi: Doubles, hit: dict[str, Any]) -> Doubles:
 
 
 WEIGHTS: dict[str, Callable[..., Doubles]] = {
-    "the cosine missing": lambda cos, wi, hit: 1 / np.maximum(cos, 1e-6),
-    "the cosine twice": lambda cos, wi, hit: np.maximum(cos, 0)}
+    "the cosine missing": lambda cos, hit: 1 / np.maximum(cos, 1e-6),
+    "the cosine twice": lambda cos, hit: np.maximum(cos, 0)}
 CURVES: dict[str, Callable[[Doubles], Doubles]] = {
     "sRGB's curve": lambda v: np.minimum(_encoded(v), 1),
     "a gamma of 2.2": lambda v: np.minimum(np.maximum(v, 0) ** (1 / 2.2), 1),
@@ -330,31 +344,38 @@ CURVES: dict[str, Callable[[Doubles], Doubles]] = {
 Make = Callable[[], Optional[Truth]]
 
 
-def _all(studio: Studio, theirs: Doubles) -> Iterator[tuple[str, Make]]:
+FACTOR, ON_SURFACES = "factor", ", on surfaces"
+
+
+def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
     """Names of causes, and what makes their pictures at the studio's number of samples."""
     def of_picture(change: Callable[[Doubles], Doubles]) -> Make:
         return lambda: studio.truth(change(studio.copies()))
 
-    yield "factor", studio.right
+    def flipped(at: Any) -> Make:
+        return lambda: studio.truth(studio.copies()[(np.s_[:],) + at], studio.outlines[at])
+
+    yield FACTOR, studio.right
+    yield FACTOR + ON_SURFACES, studio.right
     for name, curve in CURVES.items():
         yield name, of_picture(curve)
     yield "shadows missing", lambda: studio.truth(np.where(
         studio.alpha[..., None] > 0, studio.copies(layer="unoccluded"), studio.copies()))
     yield "surfaces black (as by normals that point inwards)", of_picture(
         lambda c: c * (1 - studio.alpha[..., None]))
-    yield "the film mirrored", of_picture(lambda c: c[:, :, ::-1])
-    yield "the film upside down", of_picture(lambda c: c[:, ::-1])
+    yield "the film mirrored", flipped(np.s_[:, ::-1])
+    yield "the film upside down", flipped((np.s_[::-1],))
     for name, order in CHANNELS.items():
         yield name + " exchanged in the picture", of_picture(lambda c, o=order: c[..., o])
     for name, text in TEXTS.items():
         yield name, lambda t=text: studio.edited(t)
     for name, weight in WEIGHTS.items():
         yield name, lambda w=weight: studio.weighed(w)
-    if studio.light is not None:
+    if studio.map is not None:
         maps = dict(MAPS)
         for name, order in CHANNELS.items():
             maps[name + " exchanged in the map"] = lambda m, o=order: m[..., o]
-        brightest = float(studio.light.pixels.max())
+        brightest = float(studio.map.pixels.max())
         for most in CLAMPS:
             if most < brightest:
                 maps["the map cut off at %g" % most] = lambda m, v=most: np.minimum(m, v)
@@ -367,24 +388,37 @@ def _all(studio: Studio, theirs: Doubles) -> Iterator[tuple[str, Make]]:
             yield name, lambda t=taps: studio.filtered(t)
 
 
-def _try(studio: Studio, name: str, make: Make, theirs: Doubles, noise: float) -> Optional[Found]:
-    """Hold a cause against the picture, with more samples while it stands."""
-    found = None
-    for studio.spp in LEVELS:
-        truth = make()
-        if truth is None:
-            return None
-        said = name
-        if name == "factor":
-            said, truth = _factor(theirs, truth)
-        found = Found(said, judge(theirs, truth), truth)
-        if found.verdict.p < REJECTED or found.verdict.own < 0.3 * noise:
-            break
-    return found
+def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
+         rounding: float) -> Optional[Found]:
+    """Hold a cause against the picture, at a studio's level."""
+    truth = make()
+    if truth is None:
+        return None
+    if name.startswith(FACTOR):
+        fixed = np.zeros_like(truth.mean)
+        if name.endswith(ON_SURFACES):
+            fixed = truth.mean * (1 - studio.alpha[..., None])
+        said, truth = _factor(theirs, truth, fixed)
+        name = name.replace(FACTOR, said)
+    return Found(name, judge(theirs, truth, rounding), truth)
 
 
-def search(studio: Studio, theirs: Doubles, noise: float) -> list[Found]:
+def search(studio: Studio, theirs: Doubles, noise: float,
+           rounding: float = ROUNDING) -> list[Found]:
     """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
-    share of the mean). Those that stand longest come first."""
-    found = [_try(studio, name, make, theirs, noise) for name, make in _all(studio, theirs)]
-    return sorted((f for f in found if f), key=lambda f: -f.verdict.p)
+    share of the mean). The one that fits best comes first."""
+    open_ = list(_all(studio))
+    found: list[Found] = []
+    for level in LEVELS:
+        studio.at(level)
+        left = []
+        for name, make in open_:
+            one = _try(studio, name, make, theirs, rounding)
+            if one is None:
+                continue
+            if one.verdict.p < REJECTED or one.verdict.own < SMALL * noise or level == LEVELS[-1]:
+                found.append(one)
+            else:
+                left.append((name, make))
+        open_ = left
+    return sorted(found, key=lambda f: -f.verdict.p)

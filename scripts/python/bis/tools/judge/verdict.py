@@ -217,23 +217,24 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
     return np.array(z)
 
 
-def judge(theirs: Doubles, truth: Truth) -> Verdict:
-    """Test pictures (k, h, w, 3) of one scene, by other seeds, against the truth."""
+def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
+    """Test pictures (k, h, w, 3) of one scene, by other seeds, against the truth. Their values are
+    rounded by a share of a tile's brightest channel."""
     d = theirs - truth.mean
     tiles = _Tiles(truth.outlines)
     radiance = np.abs(tiles.means(truth.mean))
     noise, dof = tiles.noise(d)
     own = np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
-    rounding = (ROUNDING * radiance) ** 2
-    total = noise + own + rounding
+    rounded = np.broadcast_to((rounding * radiance.max(1, keepdims=True)) ** 2, noise.shape)
+    total = noise + own + rounded
     tile_d = np.stack([tiles.means(one) for one in d]).mean(0)
-    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (rounding, math.inf)]
+    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (rounded, math.inf)]
     z = _welch(tile_d, errors, tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5)
     share = tiles.count / tiles.count.sum()
     mean_d, mean_v = np.sum(share * tile_d, 0), np.sum(share ** 2 * total, 0)
     if len(d) >= MANY:
         each = np.stack([np.sum(share * tiles.means(one), 0) for one in d])
-        mean_v = each.var(0, ddof=1) / len(d) + np.sum(share ** 2 * (own + rounding), 0)
+        mean_v = each.var(0, ddof=1) / len(d) + np.sum(share ** 2 * (own + rounded), 0)
     mean_z = student_z(mean_d / np.sqrt(np.maximum(mean_v, 1e-300)),
                        np.full(3, len(d) - 1.0 if len(d) >= MANY else float(dof.sum())))
     parts = [
@@ -252,3 +253,17 @@ def judge(theirs: Doubles, truth: Truth) -> Verdict:
                    1 + float(mean_d.sum()) / mean if mean > 0 else math.inf, ratio_se,
                    *(float(np.median(np.sqrt(v))) / max(mean / 3, 1e-300) for v in (noise, own)),
                    picture, len(d) >= MANY)
+
+
+def fit(theirs: Doubles, truth: Truth) -> tuple[float, float]:
+    """The factor of the truth that fits pictures best, by weighted least squares over tiles, and its
+    standard error."""
+    tiles = _Tiles(truth.outlines)
+    noise, _ = tiles.noise(theirs - truth.mean)
+    ours, x = tiles.means(truth.mean), np.mean([tiles.means(one) for one in theirs], 0)
+    own = np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
+    f = 1.0
+    for _ in range(3):  # the error of ours grows with the factor
+        weight = 1 / np.maximum(noise + f * f * own + (ROUNDING * x) ** 2, 1e-300)
+        f = float(np.sum(weight * ours * x) / max(np.sum(weight * ours ** 2), 1e-300))
+    return f, float(1 / math.sqrt(max(np.sum(weight * ours ** 2), 1e-300)))

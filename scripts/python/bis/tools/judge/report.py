@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""From files to verdicts, and what is said of them: text, JSON, a page."""
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, field
+from typing import Any, Optional
+
+import numpy as np
+
+from ... import Envmap, Error, read_image, save_image
+from ..._image import exposure_of
+from ..._library import Doubles
+from .. import page
+from ..command import Say
+from ..survey import heat
+from . import kit
+from .causes import CURVES, LEVELS, MOST, REJECTED, SMALL, Found, Studio, search, separable
+from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
+
+SURE = 0.01  #: the least p of a cause that is named
+SATURATED = 65504.0  #: the largest half
+RGBE = 2.0 ** -8 / math.sqrt(3)  #: the standard error of an .hdr, of the largest channel
+FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
+
+
+@dataclass
+class Case:
+    """Pictures of one scene, and what was found."""
+
+    scene: str
+    pictures: list[str]
+    theirs: Doubles  #: (k, h, w, 3)
+    truth: Truth
+    verdict: Verdict
+    causes: list[Found] = field(default_factory=list)
+    is_separable: bool = False  #: right, with the other masking of facets
+    refusal: str = ""
+
+    @property
+    def named(self) -> list[Found]:
+        """The causes that nothing speaks against; one alone is sure."""
+        if not self.causes or self.causes[0].verdict.p < SURE:
+            return []
+        return [f for f in self.causes if f.verdict.p >= REJECTED]
+
+
+# ---- files ----
+
+def _read(path: str, say: Say) -> tuple[Doubles, float]:
+    """A picture, and the share of a value that its rounding is off by."""
+    if path.endswith(".npy"):
+        try:
+            pixels = np.load(path, allow_pickle=False)
+        except (OSError, ValueError) as e:
+            raise Error('error: cannot read "%s": %s' % (path, e)) from None
+        if pixels.ndim != 3 or pixels.shape[2] < 3 or pixels.dtype.kind != "f":
+            raise Error('error: "%s" holds %s of the shape %s: give floats (h, w, 3)'
+                        % (path, pixels.dtype, pixels.shape))
+        pixels = pixels[..., :3]
+    else:
+        pixels, _ = read_image(path)
+    a = pixels.astype(np.float64)
+    if not np.isfinite(a).all():
+        raise Error('error: "%s" has %d values that are not finite: they are a mistake of their own'
+                    % (path, int((~np.isfinite(a)).sum())))
+    if len(np.unique(a)) <= 256 and a.std() > 0 and a.size > 4096:
+        raise Error('error: "%s" holds %d different values: it is of 8 bits. Write linear floats '
+                    "(.exr, .pfm, .npy), without a tone curve" % (path, len(np.unique(a))))
+    if path.endswith(".hdr"):
+        return a, RGBE
+    is_half = bool((np.abs(a) <= SATURATED).all() and (a.astype(np.float16) == a).all())
+    if is_half and a.max() == SATURATED:
+        say.warn('"%s" is saturated: it holds 65504, the largest half' % path)
+    return a, HALF if is_half and a.std() > 0 else ROUNDING
+
+
+def _stack(paths: list[str], size: tuple[int, int], say: Say) -> tuple[Doubles, float]:
+    read = [_read(path, say) for path in paths]
+    for path, (a, _) in zip(paths, read):
+        if a.shape[:2] != size:
+            raise Error('error: "%s" has %d x %d pixels, the scene %d x %d'
+                        % (path, a.shape[1], a.shape[0], size[1], size[0]))
+    return np.array([a for a, _ in read]), max(share for _, share in read)
+
+
+# ---- verdicts ----
+
+def _truth(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Verdict]:
+    """The right picture, as exact as the noise of theirs asks for."""
+    for level in LEVELS[1:]:
+        studio.at(level)
+        truth = studio.right()
+        verdict = judge(theirs, truth, rounding)
+        if verdict.own < SMALL * verdict.noise:
+            break
+    return truth, verdict
+
+
+def _case(name: str, pictures: list[str], source: str, light: Optional[Envmap], map_: Optional[Envmap],
+          approximate: bool, say: Say) -> Case:
+    studio = Studio(source, light, map_, approximate=approximate)
+    theirs, rounding = _stack(pictures, studio.alpha.shape, say)
+    truth, verdict = _truth(studio, theirs, rounding)
+    case = Case(name, pictures, theirs, truth, verdict)
+    if verdict.is_right:
+        return case
+    step = max(math.ceil(math.sqrt(studio.alpha.size / MOST)), 1)
+    if step > 1:
+        studio = Studio(source, light, map_, step, approximate)
+        theirs = theirs[:, step // 2::step, step // 2::step]
+        theirs = theirs[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
+    if any('"%s"' % word in studio.text for word in FACETS):
+        studio.at(LEVELS[2])
+        other = judge(theirs, studio.weighed(separable), rounding)
+        case.is_separable = other.is_right
+        if other.is_right:
+            case.verdict = other
+            return case
+    case.causes = search(studio, theirs, verdict.noise, rounding)
+    if case.named and case.named[0].name in CURVES:
+        case.refusal = "the picture holds %s: write linear light" % case.named[0].name
+    return case
+
+
+def of_kit(name: str, pictures: list[str], say: Say) -> Case:
+    """Judge pictures of a scene of the kit."""
+    light = Envmap(kit.light(name))
+    return _case(name, pictures, kit.text(name), light, light, False, say)
+
+
+def of_scene(path: str, pictures: list[str], approximate: bool, say: Say) -> Case:
+    """Judge pictures of a scene of the user's."""
+    from ... import Scene
+
+    light = Scene(path, approximate=approximate).about()["light"]
+    map_ = Envmap(light["file"]) if light["file"] else None
+    if map_ is not None and map_.shape != (light["height"], light["width"]):
+        map_ = None
+    return _case(path, pictures, path, None, map_, approximate, say)
+
+
+# ---- what is said ----
+
+def _p(p: float) -> str:
+    return "%.2g" % p if p > 1e-99 else "below 1e-99"
+
+
+def _said(case: Case) -> str:
+    if case.verdict.is_right:
+        return "right%s: p = %s" % (", with masking as a product of two" if case.is_separable else
+                                    "", _p(case.verdict.p))
+    return "wrong: p = %s" % _p(case.verdict.p)
+
+
+def _cause(case: Case) -> str:
+    named = case.named
+    if len(named) == 1:
+        rest = max((f for f in case.causes if f is not named[0]), key=lambda f: f.verdict.p)
+        return "%s (p = %s; the next, %s: %s)" % (named[0].name, _p(named[0].verdict.p), rest.name,
+                                                 _p(rest.verdict.p))
+    if named:
+        return "one of these: " + "; ".join("%s (%s)" % (f.name, _p(f.verdict.p)) for f in named)
+    return "unknown; none of %d predicted pictures fits" % len(case.causes)
+
+
+def words(case: Case) -> str:
+    """What was found, as text."""
+    v = case.verdict
+    k = len(case.theirs)
+    lines = ["scene       %s" % case.scene,
+             "theirs      %d picture%s: %s" % (k, "s" * (k > 1), ", ".join(case.pictures)),
+             "verdict     %s%s" % (_said(case), "" if v.is_sure_of_noise else
+                                   ", if its noise is as it looks (%d pictures tell)" % MANY),
+             "tests       %s" % ", ".join("%s %s" % (q.name, _p(q.p)) for q in v.parts),
+             "mean        theirs is %.5g +- %.2g times ours" % (v.ratio, v.ratio_se),
+             "noise       of a tile: theirs %.2g %%, ours %.2g %%" % (100 * v.noise, 100 * v.own)]
+    if not v.is_right:
+        lines.append("cause       " + _cause(case))
+    if case.refusal:
+        lines.append("refused     " + case.refusal)
+    return "\n".join(lines) + "\n"
+
+
+def summary(cases: list[Case]) -> str:
+    """One line of all."""
+    wrong = [case for case in cases if not case.verdict.is_right]
+    causes = sorted({f.name for case in wrong for f in case.named[:1] if len(case.named) == 1})
+    return "%d of %d right%s\n" % (len(cases) - len(wrong), len(cases),
+                                   "; causes: " + "; ".join(causes) if causes else "")
+
+
+def data(case: Case) -> dict[str, Any]:
+    """What was found, for JSON."""
+    v = case.verdict
+    return {"scene": case.scene, "pictures": case.pictures, "right": v.is_right, "p": v.p,
+            "tests": {q.name: q.p for q in v.parts}, "ratio": v.ratio, "ratio_se": v.ratio_se,
+            "noise": v.noise, "own": v.own, "noise_is_known": v.is_sure_of_noise,
+            "separable_masking": case.is_separable, "refusal": case.refusal or None,
+            "sure": len(case.named) == 1,
+            "causes": [{"name": f.name, "p": f.verdict.p} for f in case.named]}
+
+
+def _picture_of_z(z: Doubles) -> Doubles:
+    """|z| from 0 to 8 in the colours of heat."""
+    return heat(np.minimum(np.abs(z), 8).ravel() / 8).reshape(z.shape + (3,))
+
+
+def write_page(path: str, cases: list[Case], said: str) -> None:
+    """Write a page: of each scene theirs, ours, z, and the cause's picture."""
+    shown = []
+    for case in cases:
+        ours = case.truth.mean.astype(np.float32)
+        ev = exposure_of(ours)
+        pictures = {"theirs": page.png(case.theirs.mean(0), ev), "ours": page.png(ours, ev),
+                    "z": page.png(_picture_of_z(case.verdict.z), 0.0)}
+        if case.named:
+            pictures["cause"] = page.png(case.named[0].truth.mean, ev)
+        shown.append({**data(case), "verdict": _said(case), "shown": pictures,
+                      "cause": "" if case.verdict.is_right else _cause(case)})
+    page.write(path, "judge", {"cases": shown, "wrong_below": WRONG}, said)
+
+
+def write_exact(folder: str) -> str:
+    """Write the right pictures of the kit and their standard errors, and list them."""
+    lines = []
+    place = os.path.join(folder, "exact")
+    os.makedirs(place, exist_ok=True)
+    for name in kit.NAMES:
+        studio = Studio(kit.text(name), Envmap(kit.light(name)))
+        studio.at(LEVELS[-1])
+        copies = studio.right().copies
+        mean, error = copies.mean(0), copies.std(0, ddof=1) / math.sqrt(len(copies))
+        save_image(os.path.join(place, name + ".exr"), mean)
+        save_image(os.path.join(place, name + "-stderr.exr"), error)
+        lines.append("%-16s %.2g %% a pixel. %s\n"
+                     % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
+                        kit.about(name)))
+    return "".join(lines)
