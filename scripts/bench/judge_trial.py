@@ -29,8 +29,8 @@ dr.set_thread_count(2)
 WRONG_SEEDS, WRONG_SPP = 4, 256
 NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 48th picture has .003
 METHODS = (('sir', .003), ('mis', .03), ('em', .03), ('sir', .01))  # of bis, in turn
-MOST_SPP, CHUNK = 40000, 2048  # camera samples of a picture; of one call of Mitsuba
-MOST_BIS = 32
+MOST_SPP, CHUNK = 8192, 2048  # camera samples of a picture; of one call of Mitsuba
+MOST_BIS = 16
 
 def sine(m):
     return np.sin((np.arange(len(m)) + .5) * np.pi / len(m))[:, None, None].astype(np.float32)
