@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """judge_trial: right and wrong pictures of the kit's scenes, by Mitsuba 3 and by bis, for a trial of `bis judge`.
 
-    python3 scripts/bench/judge_trial.py right OUT N [FIRST]   N right pictures of each scene by Mitsuba, N/4 by bis
-    python3 scripts/bench/judge_trial.py wrong OUT             4 pictures of each scene with each mistake that changes it
-
-FIRST is the first seed (1); others go into NAME-PROGRAM-FIRST.npy. Of Phong's scenes bis makes all N.
+    python3 scripts/bench/judge_trial.py right OUT N [FIRST]  N right pictures of each scene by Mitsuba, N/4 by bis
+    python3 scripts/bench/judge_trial.py wrong OUT            4 pictures of each scene with each mistake that changes it
 
 Writes OUT/right/NAME-PROGRAM.npy and OUT/wrong/NAME-MISTAKE.npy, float32 (n, 48, 64, 3), and OUT/right.csv and
-OUT/wrong.csv with a row for each picture. Files that exist are not made again. The mistakes are made in what Mitsuba is
-given (its map, its scene, its integrator) or in the picture. Scenes of Phong, which Mitsuba lacks, are made wrong in
-what bis is given.
+OUT/wrong.csv with a row for each picture. Files that exist are not made again. Pictures of other seeds than from 1 go
+into NAME-PROGRAM-FIRST.npy. The mistakes are made in what Mitsuba is given (its map, its scene, its integrator) or in
+the picture. Phong's scenes, which Mitsuba lacks, are by bis alone.
 
-PYTHONPATH is scripts/python; BIS_LIBRARY names the library. Mitsuba 3.9 needs LLVM 16 or newer (DRJIT_LIBLLVM_PATH).
-A pool of one thread hangs in it: it gets two."""
+BIS_LIBRARY names the library. Mitsuba 3.9 needs LLVM 16 or newer (DRJIT_LIBLLVM_PATH), and two threads: with one it
+hangs."""
 import csv
 import os
 import re
@@ -31,11 +29,8 @@ dr.set_thread_count(2)
 WRONG_SEEDS, WRONG_SPP = 4, 256
 NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 48th picture has .003
 METHODS = (('sir', .003), ('mis', .03), ('em', .03), ('sir', .01))  # of bis, in turn
-MOST_SPP, CHUNK = 40000, 2048  # camera samples of a picture; of one call of Mitsuba
-MOST_BIS = 32
-
-
-# ---- mistakes ----
+MOST_SPP, CHUNK = 8192, 2048  # camera samples of a picture; of one call of Mitsuba
+MOST_BIS = 16
 
 def sine(m):
     return np.sin((np.arange(len(m)) + .5) * np.pi / len(m))[:, None, None].astype(np.float32)
@@ -51,16 +46,6 @@ def from_srgb(x):
     return np.where(x <= .04045, x / 12.92, ((x + .055) / 1.055) ** 2.4).astype(np.float32)
 
 
-def rows(m, first, last):
-    return m * ((np.arange(len(m)) >= first * len(m)) & (np.arange(len(m)) < last * len(m)))[:, None, None]
-
-
-def without(m, index):
-    m = m.copy()
-    m[index] = 0
-    return m
-
-
 MAPS = {
     'turned-90': lambda m: np.roll(m, m.shape[1] // 4, 1),
     'turned-37': lambda m: np.roll(m, round(m.shape[1] * 37 / 360), 1),
@@ -73,10 +58,10 @@ MAPS = {
     'clamped': lambda m: np.minimum(m, m.max() / 4),
     'map-srgb': from_srgb,
     'channels': lambda m: m[:, :, ::-1],
-    'upper-half': lambda m: rows(m, 0, .5),
-    'lower-half': lambda m: rows(m, .5, 1),
-    'pole-rows': lambda m: without(m, [0, 1, -2, -1]),
-    'seam-columns': lambda m: without(m, (slice(None), [0, -1])),
+    'upper-half': lambda m: np.where(np.arange(len(m))[:, None, None] < len(m) // 2, m, 0),
+    'lower-half': lambda m: np.where(np.arange(len(m))[:, None, None] < len(m) // 2, 0, m),
+    'pole-rows': lambda m: np.pad(m[2:-2], ((2, 2), (0, 0), (0, 0))),
+    'seam-columns': lambda m: np.pad(m[:, 1:-1], ((0, 0), (1, 1), (0, 0))),
 }
 
 
@@ -95,6 +80,7 @@ def squared(match):
     return match[1] + '%g' % float(match[2]) ** 2 + match[3]
 
 
+ASTRAY = 'type="astray"><float name="%s" value="%d"/></integrator>'
 TEXTS = {
     'albedo-srgb': lambda s: re.sub(r'(name="reflectance" value=")([^"]*)(")', decoded, s),
     'alpha-squared': lambda s: re.sub(r'(name="alpha" value=")([^"]*)(")', squared, s),
@@ -107,9 +93,9 @@ TEXTS = {
                                       % (.5 / kit.WIDTH)),
     'gaussian': lambda s: s.replace('<rfilter type="box"/>', '<rfilter type="gaussian"/>'),
     'tent': lambda s: s.replace('<rfilter type="box"/>', '<rfilter type="tent"/>'),
-    'shadows-missing': lambda s: s.replace('type="direct"', 'type="astray" shadows="0"'),
-    'cos-missing': lambda s: s.replace('type="direct"', 'type="astray" cosine="-1"'),
-    'cos-twice': lambda s: s.replace('type="direct"', 'type="astray" cosine="1"'),
+    'shadows-missing': lambda s: s.replace('type="direct"/>', ASTRAY % ('shadows', 0)),
+    'cos-missing': lambda s: s.replace('type="direct"/>', ASTRAY % ('cosine', -1)),
+    'cos-twice': lambda s: s.replace('type="direct"/>', ASTRAY % ('cosine', 1)),
 }
 PHONG_TEXTS = {
     'albedo-srgb': lambda s: re.sub(r'(rgb reflectance" \[|float Kd" )([\d. ]+)(\]| )', decoded, s),
@@ -146,9 +132,6 @@ class Astray(mi.SamplingIntegrator):
 
 mi.register_integrator('astray', Astray)
 
-
-# ---- pictures ----
-
 class Mitsuba:
     """A scene of the kit in Mitsuba, perhaps with a mistake in its map or its text."""
 
@@ -159,10 +142,7 @@ class Mitsuba:
             path = folder + '/maps/mistaken.exr'
             mi.Bitmap(np.ascontiguousarray(kit.for_mitsuba(on_map(kit.light(name))))).write(path)
             text = text.replace(f'{folder}/maps/{kit.SCENES[name].map}-mitsuba.exr', path)
-        text = on_text(text) if on_text else text
-        text = re.sub(r'type="astray" (\w+)="(-?\d)"/>',
-                      r'type="astray"><float name="\1" value="\2"/></integrator>', text)
-        self.scene = mi.load_string(text)
+        self.scene = mi.load_string(on_text(text) if on_text else text)
 
     def render(self, spp, seed):
         parts = [min(CHUNK, spp - done) for done in range(0, spp, CHUNK)]
@@ -171,9 +151,9 @@ class Mitsuba:
 
 
 class Bis:
-    """A scene of the kit in bis."""
+    """A scene of the kit in bis, which needs no folder."""
 
-    def __init__(self, name, on_map=None, on_text=None):
+    def __init__(self, folder, name, on_map=None, on_text=None):
         light, text = kit.light(name), kit.text(name)
         self.scene = bis.Scene(on_text(text) if on_text else text,
                                light=np.ascontiguousarray(on_map(light) if on_map else light))
@@ -202,7 +182,7 @@ def right_by_mitsuba(folder, name, n, first):
 
 def right_by_bis(name, n, first):
     """Pictures and rows of the CSV."""
-    scene = Bis(name)
+    scene = Bis(None, name)
     spp = {(m, noise): min(MOST_BIS, samples_for(lambda n, seed: scene.render(n, seed, integrator=m), noise))
            for m, noise in METHODS}
     for i in range(n):
@@ -214,24 +194,18 @@ def right_by_bis(name, n, first):
 def wrong(folder, name):
     """(mistake, program, render) of every mistake that changes what the program is given, or its picture."""
     phong = kit.is_phong(name)
-    light = kit.light(name)
-
-    def made(**on):
-        return Bis(name, **on) if phong else Mitsuba(folder, name, **on)
+    light, made = kit.light(name), Bis if phong else Mitsuba
     with open(f'{folder}/{name}.{"txt" if phong else "xml"}') as f:
         text = f.read()
     for mistake, f in MAPS.items():
         if f(light).shape != light.shape or not np.array_equal(f(light), light):
-            yield mistake, made(on_map=f).render
+            yield mistake, made(folder, name, on_map=f).render
     for mistake, f in (PHONG_TEXTS if phong else TEXTS).items():
         if f(text) != text:
-            yield mistake, made(on_text=f).render
-    scene = made()
+            yield mistake, made(folder, name, on_text=f).render
+    scene = made(folder, name)
     for mistake, f in PICTURES.items():
         yield mistake, lambda spp, seed, f=f: f(scene.render(spp, seed))
-
-
-# ---- files ----
 
 def keep(out, kind, label, pictures):
     """Save a stack and add its rows to the CSV, if it is not there yet."""
