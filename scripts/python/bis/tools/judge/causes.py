@@ -34,6 +34,10 @@ MOST = 10000  #: pixels of a cause's picture: of larger pictures each k-th pixel
 LAYERS = ("normal", "depth", "unoccluded")
 
 
+#: Of the cosines n.wi (m,) and of what is hit.
+Weight = Callable[[Doubles, "dict[str, Any]"], Doubles]
+
+
 class Found(NamedTuple):
     """A cause that was held against the picture."""
 
@@ -44,23 +48,38 @@ class Found(NamedTuple):
 
 # ---- the pictures ----
 
+class Convention(NamedTuple):
+    """What renderers may do differently, and all of them are right."""
+
+    name: str
+    is_bilinear: bool = False  #: the map between the centres of its pixels
+    is_separable: bool = False  #: masking of facets is a product of two
+
+
+CONVENTIONS = (Convention(""), Convention("with a bilinear map", True),
+               Convention("with masking as a product of two", False, True),
+               Convention("with a bilinear map, and masking as a product of two", True, True))
+
+
 class Studio:
     """Pictures of one scene, by several seeds each."""
 
     def __init__(self, source: str, light: Optional[Envmap], map_: Optional[Envmap], step: int = 1,
-                 approximate: bool = False) -> None:
+                 approximate: bool = False, like: Convention = Convention("")) -> None:
         self.source = source  #: of the scene, a file's name or a text
         self.light = light  #: in the place of its own
         self.map = map_  #: what may be changed; None: it has none, or it is not known
         self.approximate = approximate
         self.step = step
+        self.like = like
         self.scene = self._open(source)
         self.at(LEVELS[0])
         self._quotients: dict[Any, Doubles] = {}
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
         self.alpha = p.alpha.astype(float)
         self.outlines = outlines_of(p.layers["normal"].astype(float),
-                                     p.layers["depth"].astype(float), self.alpha)
+                                     p.layers["depth"].astype(float), self.alpha,
+                                     p.rgb.astype(float))
 
     def _open(self, source: str) -> Scene:
         return Scene(source, light=self.light, approximate=self.approximate)
@@ -77,19 +96,23 @@ class Studio:
         is_own = light is None and scene is None
         if is_own and key in self._kept:
             return self._kept[key]
+        if is_own and self.like.is_bilinear:
+            light = Envmap(_bilinear(self.map.pixels))
         how = {"spp": self.spp, "step": self.step, "layers": layer or "none", **how}
         out = []
         for i in range(self.n):
             p = (scene or self.scene).render(light=light, seed=7919 * self.spp + i, **how)
             out.append(p.layers[layer] if layer else p.rgb)
         copies = np.array(out, float)
+        if self.like.is_separable and not layer and "width" not in how:
+            copies *= self._quotient(separable)[:self.n, :, :, None]
         if is_own:
             self._kept[key] = copies
         return copies
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
         """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
-        return Truth(copies, self.outlines | unknown)
+        return Truth(copies, self.outlines | unknown, self.alpha == 0)
 
     def right(self) -> Truth:
         """The right picture."""
@@ -98,6 +121,8 @@ class Studio:
     def under(self, change: Callable[[Floats], Any]) -> Truth:
         """The picture under a changed map."""
         pixels = np.ascontiguousarray(change(self.map.pixels), np.float32)
+        if self.like.is_bilinear:
+            pixels = _bilinear(pixels)
         return self.truth(self.copies(light=Envmap(pixels)))
 
     @property
@@ -138,8 +163,8 @@ class Studio:
         rim[3:-3, 3:-3] = False
         return self.truth(c, rim)
 
-    def weighed(self, weight: Callable[[Doubles, dict[str, Any]], Doubles]) -> Truth:
-        """The picture with f cos times a weight of n.wi (m,) and of what is hit."""
+    def _quotient(self, weight: Weight) -> Doubles:
+        """What the weight multiplies the picture with, (GROUPS, h, w)."""
         if weight not in self._quotients:
             q = np.ones((GROUPS,) + self.alpha.shape)
             stage = self.scene.stage()
@@ -147,12 +172,16 @@ class Studio:
                 if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
                     q[:, y, x] = _quotient(stage, weight, y * 65537 + x)
             self._quotients[weight] = q
+        return self._quotients[weight]
+
+    def weighed(self, weight: Weight) -> Truth:
+        """The picture with f cos times a weight of n.wi (m,) and of what is hit."""
         copies = self.copies()
-        q = self._quotients[weight][:len(copies), :, :, None]
+        q = self._quotient(weight)[:len(copies), :, :, None]
         return self.truth(copies * q, (self.alpha > 0) & (self.alpha < 1))
 
 
-def _quotient(stage: Any, weight: Any, seed: int) -> Doubles:
+def _quotient(stage: Any, weight: Weight, seed: int) -> Doubles:
     """How the weight changes the radiance at a stage's point: pseudo-values of a jackknife."""
     rays = stage.rays(runs=GROUPS, seed=seed, integrator="em", samples=RAYS // GROUPS)
     hit = stage.about()["hit"]
@@ -180,6 +209,17 @@ def _moved(m: Floats, x: int, y: int) -> Floats:
     if y:
         fine = np.concatenate([fine[:1], fine[:-1]] if y > 0 else [fine[1:], fine[-1:]])
     return fine
+
+
+def _bilinear(m: Floats, k: int = 4) -> Floats:
+    """A map of k x k pixels for each, with the values between the centres of its pixels."""
+    x = (np.arange(k * m.shape[1]) + 0.5) / k - 0.5
+    y = np.clip((np.arange(k * len(m)) + 0.5) / k - 0.5, 0, len(m) - 1)
+    left, top = np.floor(x).astype(int), np.floor(y).astype(int)
+    fx, fy = (x - left)[None, :, None], (y - top)[:, None, None]
+    rows = m[:, left % m.shape[1]] * (1 - fx) + m[:, (left + 1) % m.shape[1]] * fx
+    low = np.minimum(top + 1, len(m) - 1)
+    return np.ascontiguousarray(rows[top] * (1 - fy) + rows[low] * fy, np.float32)
 
 
 def _turned(m: Floats, share: float) -> Floats:
@@ -257,12 +297,12 @@ FACTORS = {
 def _factor(theirs: Doubles, of: Truth, fixed: Doubles) -> tuple[str, Truth]:
     """The factor of a picture, without a fixed part (h, w, 3), by least squares over tiles; and its
     name."""
-    f, se = fit(theirs - fixed, Truth(of.copies - fixed, of.outlines))
+    f, se = fit(theirs - fixed, of._replace(copies=of.copies - fixed))
     name = "the light times %.4g +- %.1g" % (f, se)
     for known, value in FACTORS.items():
         if abs(f - value) <= 4 * se:
             name, f = known, value
-    return name, Truth(fixed + f * (of.copies - fixed), of.outlines)
+    return name, of._replace(copies=fixed + f * (of.copies - fixed))
 
 
 # ---- scenes and films ----

@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, field
-from typing import Any, Optional
+from typing import Any, Callable
 
 import numpy as np
 
-from ... import Envmap, Error, read_image, save_image
+from ... import Envmap, Error, Scene, read_image, save_image
 from ..._image import exposure_of
 from ..._library import Doubles
 from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import CURVES, LEVELS, MOST, REJECTED, SMALL, Found, Studio, search, separable
+from .causes import CONVENTIONS, CURVES, LEVELS, MOST, SMALL, Found, Studio, search
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 SURE = 0.01  #: the least p of a cause that is named
 SATURATED = 65504.0  #: the largest half
-RGBE = 2.0 ** -8 / math.sqrt(3)  #: the standard error of an .hdr, of the largest channel
+RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
 
 
@@ -34,16 +34,23 @@ class Case:
     theirs: Doubles  #: (k, h, w, 3)
     truth: Truth
     verdict: Verdict
+    like: str = ""  #: the convention by which it is right
     causes: list[Found] = field(default_factory=list)
-    is_separable: bool = False  #: right, with the other masking of facets
     refusal: str = ""
 
     @property
     def named(self) -> list[Found]:
-        """The causes that nothing speaks against; one alone is sure."""
+        """The causes that nothing speaks against, if one fits."""
         if not self.causes or self.causes[0].verdict.p < SURE:
             return []
-        return [f for f in self.causes if f.verdict.p >= REJECTED]
+        return [f for f in self.causes if f.verdict.p >= WRONG]
+
+    @property
+    def is_sure(self) -> bool:
+        """Whether one cause is named, or several that make one picture."""
+        best = self.named[:1]
+        return bool(best) and all(judge(best[0].truth.copies, f.truth).is_right
+                                  for f in self.named[1:])
 
 
 # ---- files ----
@@ -98,27 +105,28 @@ def _truth(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Ver
     return truth, verdict
 
 
-def _case(name: str, pictures: list[str], source: str, light: Optional[Envmap], map_: Optional[Envmap],
-          approximate: bool, say: Say) -> Case:
-    studio = Studio(source, light, map_, approximate=approximate)
+def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say) -> Case:
+    """Judge pictures. `made` makes a studio of a step and a convention."""
+    studio = made(1, CONVENTIONS[0])
     theirs, rounding = _stack(pictures, studio.alpha.shape, say)
-    truth, verdict = _truth(studio, theirs, rounding)
-    case = Case(name, pictures, theirs, truth, verdict)
-    if verdict.is_right:
+    case = Case(name, pictures, theirs, *_truth(studio, theirs, rounding))
+    if case.verdict.is_right:
         return case
+    facets = any('"%s"' % word in studio.text for word in FACETS)
+    likes = [like for like in CONVENTIONS if (facets or not like.is_separable)
+             and (studio.map is not None or not like.is_bilinear)]
+    for like in likes[1:]:
+        other = Case(name, pictures, theirs, *_truth(made(1, like), theirs, rounding), like.name)
+        if other.verdict.is_right:
+            return other
     step = max(math.ceil(math.sqrt(studio.alpha.size / MOST)), 1)
-    if step > 1:
-        studio = Studio(source, light, map_, step, approximate)
-        theirs = theirs[:, step // 2::step, step // 2::step]
-        theirs = theirs[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
-    if any('"%s"' % word in studio.text for word in FACETS):
-        studio.at(LEVELS[2])
-        other = judge(theirs, studio.weighed(separable), rounding)
-        case.is_separable = other.is_right
-        if other.is_right:
-            case.verdict = other
-            return case
-    case.causes = search(studio, theirs, verdict.noise, rounding)
+    thin = theirs[:, step // 2::step, step // 2::step]
+    for like in likes:
+        studio = made(step, like)
+        thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
+        case.causes = search(studio, thin, case.verdict.noise, rounding)
+        if case.named:
+            break
     if case.named and case.named[0].name in CURVES:
         case.refusal = "the picture holds %s: write linear light" % case.named[0].name
     return case
@@ -127,18 +135,18 @@ def _case(name: str, pictures: list[str], source: str, light: Optional[Envmap], 
 def of_kit(name: str, pictures: list[str], say: Say) -> Case:
     """Judge pictures of a scene of the kit."""
     light = Envmap(kit.light(name))
-    return _case(name, pictures, kit.text(name), light, light, False, say)
+    return _case(name, pictures, lambda step, like: Studio(kit.text(name), light, light, step,
+                                                           False, like), say)
 
 
 def of_scene(path: str, pictures: list[str], approximate: bool, say: Say) -> Case:
     """Judge pictures of a scene of the user's."""
-    from ... import Scene
-
     light = Scene(path, approximate=approximate).about()["light"]
     map_ = Envmap(light["file"]) if light["file"] else None
     if map_ is not None and map_.shape != (light["height"], light["width"]):
         map_ = None
-    return _case(path, pictures, path, None, map_, approximate, say)
+    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, approximate,
+                                                           like), say)
 
 
 # ---- what is said ----
@@ -149,20 +157,18 @@ def _p(p: float) -> str:
 
 def _said(case: Case) -> str:
     if case.verdict.is_right:
-        return "right%s: p = %s" % (", with masking as a product of two" if case.is_separable else
-                                    "", _p(case.verdict.p))
+        return "right%s: p = %s" % (case.like and ", " + case.like, _p(case.verdict.p))
     return "wrong: p = %s" % _p(case.verdict.p)
 
 
 def _cause(case: Case) -> str:
-    named = case.named
+    named = ["%s (p = %s)" % (f.name, _p(f.verdict.p)) for f in case.named]
+    if not named:
+        return "unknown; none of %d predicted pictures fits" % len(case.causes)
     if len(named) == 1:
-        rest = max((f for f in case.causes if f is not named[0]), key=lambda f: f.verdict.p)
-        return "%s (p = %s; the next, %s: %s)" % (named[0].name, _p(named[0].verdict.p), rest.name,
-                                                 _p(rest.verdict.p))
-    if named:
-        return "one of these: " + "; ".join("%s (%s)" % (f.name, _p(f.verdict.p)) for f in named)
-    return "unknown; none of %d predicted pictures fits" % len(case.causes)
+        rest = max((f for f in case.causes if f is not case.named[0]), key=lambda f: f.verdict.p)
+        return "%s; the next, %s, has p = %s" % (named[0], rest.name, _p(rest.verdict.p))
+    return ("these make one picture: " if case.is_sure else "one of these: ") + "; ".join(named)
 
 
 def words(case: Case) -> str:
@@ -174,7 +180,7 @@ def words(case: Case) -> str:
              "verdict     %s%s" % (_said(case), "" if v.is_sure_of_noise else
                                    ", if its noise is as it looks (%d pictures tell)" % MANY),
              "tests       %s" % ", ".join("%s %s" % (q.name, _p(q.p)) for q in v.parts),
-             "mean        theirs is %.5g +- %.2g times ours" % (v.ratio, v.ratio_se),
+             "mean        theirs is %.5g +- %.1g times ours" % (v.ratio, v.ratio_se),
              "noise       of a tile: theirs %.2g %%, ours %.2g %%" % (100 * v.noise, 100 * v.own)]
     if not v.is_right:
         lines.append("cause       " + _cause(case))
@@ -186,7 +192,7 @@ def words(case: Case) -> str:
 def summary(cases: list[Case]) -> str:
     """One line of all."""
     wrong = [case for case in cases if not case.verdict.is_right]
-    causes = sorted({f.name for case in wrong for f in case.named[:1] if len(case.named) == 1})
+    causes = sorted({f.name for case in wrong for f in case.named[:1] if case.is_sure})
     return "%d of %d right%s\n" % (len(cases) - len(wrong), len(cases),
                                    "; causes: " + "; ".join(causes) if causes else "")
 
@@ -197,8 +203,8 @@ def data(case: Case) -> dict[str, Any]:
     return {"scene": case.scene, "pictures": case.pictures, "right": v.is_right, "p": v.p,
             "tests": {q.name: q.p for q in v.parts}, "ratio": v.ratio, "ratio_se": v.ratio_se,
             "noise": v.noise, "own": v.own, "noise_is_known": v.is_sure_of_noise,
-            "separable_masking": case.is_separable, "refusal": case.refusal or None,
-            "sure": len(case.named) == 1,
+            "convention": case.like or None, "refusal": case.refusal or None,
+            "sure": case.is_sure,
             "causes": [{"name": f.name, "p": f.verdict.p} for f in case.named]}
 
 

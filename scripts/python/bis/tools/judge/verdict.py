@@ -11,8 +11,8 @@ from the picture: from differences of neighbours for one, from the scatter in ea
 This asks that pixels are independent, which a filter wider than a pixel or a denoiser breaks.
 
 The p-values are made one by Cauchy's combination (Liu and Xie 2020), which needs no independence:
-channels, and the four tests, tell much of the same. Without noise nothing could be wrong by less
-than the rounding of floats, so a share `ROUNDING` of a tile's radiance counts as noise.
+channels, and the four tests, tell much of the same. A difference of up to a share `ROUNDING` of a tile's radiance costs
+nothing, because floats that are added in another order are off by the same in all tiles.
 """
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ Flags = NDArray[np.bool_]
 TILES = 100
 MANY = 8  #: pictures, from which on their scatter is the noise
 WRONG = 1e-3  #: p below which a picture is called wrong
-ROUNDING = 1e-5  #: of renderers that trace rays in floats, systematic
-HALF = 2.0 ** -11 / math.sqrt(3)  #: the standard error of a value that is rounded to a half
+ROUNDING = 1e-4  #: of renderers that trace rays in floats, systematic (seen: 1.3e-5)
+HALF = 2.0 ** -11  #: of a value that is rounded to a half
 
 
 class Truth(NamedTuple):
@@ -40,6 +40,7 @@ class Truth(NamedTuple):
 
     copies: Doubles  #: (n, h, w, 3), n >= 2
     outlines: Flags  #: (h, w)
+    background: Flags  #: (h, w)
 
     @property
     def mean(self) -> Doubles:
@@ -104,20 +105,30 @@ def together(p: Doubles) -> float:
 # ---- tiles ----
 
 class _Tiles:
-    """Tiles of a picture, and what is in them: pixels that are no outlines."""
+    """Tiles of a picture, and what is in them: pixels that are no outlines, of surfaces and of
+    background apart, because their noise differs. A pixel with no neighbour in its tile, whose noise
+    nothing would show, is in none."""
 
-    def __init__(self, outlines: Flags) -> None:
-        h, w = outlines.shape
+    def __init__(self, truth: Truth) -> None:
+        h, w = truth.outlines.shape
         rows = min(max(round(math.sqrt(TILES * h / w)), 1), h)
         columns = min(max(round(TILES / rows), 1), w)
         y, x = np.arange(h) * rows // h, np.arange(w) * columns // w
-        place = y[:, None] * columns + x
-        count = np.bincount(place[~outlines], minlength=rows * columns)
+        place = 2 * (y[:, None] * columns + x) + truth.background
+        place = np.where(truth.outlines, -1, place)
+        near = np.zeros((h, w), bool)
+        for axis in (0, 1):
+            a, n = np.moveaxis(place, axis, 0), np.moveaxis(near, axis, 0)
+            same = a[1:] == a[:-1]
+            n[1:] |= same
+            n[:-1] |= same
+        place = np.where(near, place, -1)
+        count = np.bincount(place[place >= 0], minlength=2 * rows * columns)
         enough = count >= 8
-        number = np.where(enough, np.cumsum(enough) - 1, -1)
+        number = np.append(np.where(enough, np.cumsum(enough) - 1, -1), -1)
         self.n = int(enough.sum())
         self.count = count[enough][:, None]  #: pixels, (n, 1)
-        self.of = np.where(outlines, -1, number[place])  #: (h, w): the tile, or -1
+        self.of = number[place]  #: (h, w): the tile, or -1
 
     def sums(self, values: Doubles, of: NDArray[np.int64]) -> Doubles:
         """Sums over tiles (n, 3) of values (h, w, 3), with the tile of each pixel."""
@@ -138,15 +149,17 @@ class _Tiles:
             return means.var(0, ddof=1) / k, np.full((self.n, 1), k - 1.0)
         if k > 1:
             return self.means(d.var(0, ddof=1)) / self.count / k, self.count * (k - 1.0)
-        total, pairs = np.zeros((self.n, 3)), np.zeros((self.n, 1))
+        total, fourth, pairs = (np.zeros((self.n, c)) for c in (3, 3, 1))
         for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
             same = np.where(self.of[a] == self.of[b], self.of[a], -1)
-            total += self.sums((d[0][a] - d[0][b]) ** 2 / 2, same)
+            square = (d[0][a] - d[0][b]) ** 2 / 2
+            total += self.sums(square, same)
+            fourth += self.sums(square ** 2, same)
             pairs += np.bincount(same[same >= 0], minlength=self.n)[:, None]
-        pairs = np.maximum(pairs, 1)
-        # Two pairs a pixel, which share pixels, tell as much as 0.8 independent squares.
-        return total / pairs / self.count, 0.4 * pairs
-
+        # Two pairs a pixel, which share pixels, tell as much as 0.8 independent squares; less where
+        # few pixels have most of the noise (the fourth moment of a normal number is 3).
+        dof = np.minimum(1.2 * total ** 2 / np.maximum(fourth, 1e-300), 0.4 * pairs)
+        return total / pairs / self.count, np.maximum(dof, 1)
 
     def skewness(self, d: Doubles) -> Doubles:
         """The skewness of the tiles' means (n, 3), from that of all pixels about their tiles'."""
@@ -160,14 +173,16 @@ class _Tiles:
         return np.mean(u ** 3, axis=(0, 1)) / np.sqrt(self.count * len(d))
 
 
-def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles) -> Flags:
-    """Pixels at outlines: a share is background, or normal or depth leap to a neighbour's."""
+def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -> Flags:
+    """Pixels at outlines: a share is background, normal or depth leap to a neighbour's, or the
+    background does."""
     found = (alpha > 0) & (alpha < 1)
     for axis in (0, 1):
-        near = [np.moveaxis(a, axis, 0) for a in (normal, depth, alpha)]
-        leap = np.abs(near[0][1:] - near[0][:-1]).max(-1) > 0.25
-        leap |= np.abs(near[1][1:] - near[1][:-1]) > 0.1 * np.maximum(near[1][1:], near[1][:-1])
-        leap |= near[2][1:] != near[2][:-1]
+        n, z, a, c = (np.moveaxis(v, axis, 0) for v in (normal, depth, alpha, rgb))
+        leap = np.abs(n[1:] - n[:-1]).max(-1) > 0.25
+        leap |= np.abs(z[1:] - z[:-1]) > 0.1 * np.maximum(z[1:], z[:-1])
+        leap |= a[1:] != a[:-1]
+        leap |= (a[1:] == 0) & (np.abs(c[1:] - c[:-1]) > 0.02 * c[1:] + 0.02 * c[:-1]).any(-1)
         out = np.moveaxis(found, axis, 0)
         out[1:] |= leap
         out[:-1] |= leap
@@ -217,53 +232,75 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
     return np.array(z)
 
 
+def _own(tiles: _Tiles, truth: Truth) -> Doubles:
+    """The variance of ours in the tiles' means (n, 3)."""
+    return np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
+
+
+def _beyond(d: Doubles, free: Doubles) -> Doubles:
+    """Differences beyond what costs nothing."""
+    return np.copysign(np.maximum(np.abs(d) - free, 0), d)
+
+
+def _size(variance: Doubles, mean: float) -> float:
+    """The root of the mean variance, as a share of the mean of a channel."""
+    return math.sqrt(float(variance.mean())) / mean if mean > 0 and variance.size else 0.0
+
+
 def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     """Test pictures (k, h, w, 3) of one scene, by other seeds, against the truth. Their values are
-    rounded by a share of a tile's brightest channel."""
+    rounded by up to a share of a tile's brightest channel."""
     d = theirs - truth.mean
-    tiles = _Tiles(truth.outlines)
-    radiance = np.abs(tiles.means(truth.mean))
+    tiles = _Tiles(truth)
+    ours = tiles.means(truth.mean)
     noise, dof = tiles.noise(d)
-    own = np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
-    rounded = np.broadcast_to((rounding * radiance.max(1, keepdims=True)) ** 2, noise.shape)
-    total = noise + own + rounded
-    tile_d = np.stack([tiles.means(one) for one in d]).mean(0)
-    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (rounded, math.inf)]
-    z = _welch(tile_d, errors, tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5)
-    share = tiles.count / tiles.count.sum()
-    mean_d, mean_v = np.sum(share * tile_d, 0), np.sum(share ** 2 * total, 0)
+    own = _own(tiles, truth)
+    free = np.broadcast_to(rounding * np.abs(ours).max(1, keepdims=True, initial=0), ours.shape)
+    of_floats = (free / 10) ** 2  # what is beyond it is a mistake even where nothing is noisy
+    each = np.stack([tiles.means(one) for one in d])
+    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (of_floats, math.inf)]
+    total = noise + own + of_floats
+    skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
+    z = _welch(_beyond(each.mean(0), free), errors, skewness)
+    tells = (z != 0) | (noise + own > of_floats)  # a tile without noise is right by itself
+    parts = []
+    if tells.any():
+        squares = [chi_square_p(float(np.sum(z[t, c] ** 2)), int(t.sum()))
+                   for c, t in enumerate(tells.T) if t.any()]
+        parts = [Part("all tiles", together(np.array(squares))),
+                 Part("worst tile", together(normal_p(z[tells])))]
+
+    share = tiles.count / max(tiles.count.sum(), 1)
+    means = np.sum(share * each, 1)  # (k, 3)
+    variance, freedom = np.sum(share ** 2 * total, 0), float(dof.sum())
     if len(d) >= MANY:
-        each = np.stack([np.sum(share * tiles.means(one), 0) for one in d])
-        mean_v = each.var(0, ddof=1) / len(d) + np.sum(share ** 2 * (own + rounded), 0)
-    mean_z = student_z(mean_d / np.sqrt(np.maximum(mean_v, 1e-300)),
-                       np.full(3, len(d) - 1.0 if len(d) >= MANY else float(dof.sum())))
-    parts = [
-        Part("all tiles", together(np.array([chi_square_p(float(np.sum(z[:, c] ** 2)), tiles.n)
-                                             for c in range(3)]))),
-        Part("worst tile", together(normal_p(z))),
-        Part("mean", together(normal_p(mean_z)))]
+        variance = means.var(0, ddof=1) / len(d) + np.sum(share ** 2 * (own + of_floats), 0)
+        freedom = len(d) - 1.0
+    mean_z = _welch(_beyond(means.mean(0), np.sum(share * free, 0)), [(variance, freedom)])
+    parts.append(Part("mean", together(normal_p(mean_z))))
     edge = _outlines_z(d, truth)
     if len(edge):
         parts.append(Part("outlines", together(normal_p(edge))))
-    mean = float(np.sum(share * tiles.means(truth.mean)))
-    ratio_se = math.sqrt(float(mean_v.sum())) / mean if mean > 0 else math.inf
-    farthest = np.take_along_axis(z, np.abs(z).argmax(1)[:, None], 1)[:, 0]
-    picture = np.where(tiles.of >= 0, farthest[tiles.of], 0.0)
-    return Verdict(together(np.array([part.p for part in parts])), parts,
-                   1 + float(mean_d.sum()) / mean if mean > 0 else math.inf, ratio_se,
-                   *(float(np.median(np.sqrt(v))) / max(mean / 3, 1e-300) for v in (noise, own)),
-                   picture, len(d) >= MANY)
+
+    mean = float(np.sum(share * ours)) / 3
+    ratio = 1 + float(means.mean()) / mean if mean > 0 else math.inf
+    farthest = np.append(np.take_along_axis(z, np.abs(z).argmax(1)[:, None], 1)[:, 0], 0.0)
+    return Verdict(together(np.array([part.p for part in parts])), parts, ratio,
+                   math.sqrt(float(variance.mean())) / mean if mean > 0 else math.inf,
+                   _size(noise[tells], mean), _size(own[tells], mean), farthest[tiles.of],
+                   len(d) >= MANY)
 
 
 def fit(theirs: Doubles, truth: Truth) -> tuple[float, float]:
     """The factor of the truth that fits pictures best, by weighted least squares over tiles, and its
     standard error."""
-    tiles = _Tiles(truth.outlines)
+    tiles = _Tiles(truth)
     noise, _ = tiles.noise(theirs - truth.mean)
+    own = _own(tiles, truth)
     ours, x = tiles.means(truth.mean), np.mean([tiles.means(one) for one in theirs], 0)
-    own = np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
-    f = 1.0
+    f, power = 1.0, 0.0
     for _ in range(3):  # the error of ours grows with the factor
         weight = 1 / np.maximum(noise + f * f * own + (ROUNDING * x) ** 2, 1e-300)
-        f = float(np.sum(weight * ours * x) / max(np.sum(weight * ours ** 2), 1e-300))
-    return f, float(1 / math.sqrt(max(np.sum(weight * ours ** 2), 1e-300)))
+        power = max(float(np.sum(weight * ours ** 2)), 1e-300)
+        f = float(np.sum(weight * ours * x)) / power
+    return f, 1 / math.sqrt(power)
