@@ -59,11 +59,13 @@ page() {
 # source FILE: its text, escaped
 source() {
     mkdir -p "$out/$(dirname "$1")"
+    code=UTF-8 # the page's; a test's scene is Latin-1
+    iconv -f UTF-8 "$1" >/dev/null 2>&1 || code=ISO-8859-1
     {
         printf '<!DOCTYPE html>\n<html><head><meta charset="utf-8">'
         printf '<meta name="viewport" content="width=device-width"><title>%s</title>' "$1"
         printf '<style>pre { overflow-x: auto; }</style></head>\n<body><pre>'
-        sed 's/&/\&amp;/g; s/</\&lt;/g' "$1"
+        iconv -f $code -t UTF-8 "$1" | sed 's/&/\&amp;/g; s/</\&lt;/g'
         printf '</pre></body></html>\n'
     } >"$out/$1.html" || exit 1
 }

@@ -43,9 +43,8 @@ bis_status bis_do_image_of_light(bis_flat_image **image, const bis_light *light,
     const bis_mapping to = bis_mapping_find(mapping);
     bis_flat_image made = {0};
 
-    if (to == BIS_N_MAPPINGS || width < 0)
-        return bis_flat_refuse(diag, "mapping \"%.40s\" and width %d: give one of `bis help lights` and a width, or 0",
-                               mapping, width);
+    if (to == BIS_N_MAPPINGS) return bis_flat_no_mapping(diag, mapping);
+    if (width < 0) return bis_flat_refuse(diag, "width is %d: give a width, or 0 for one that shows all detail", width);
     const bis_status status = bis_envmap_to_mapping(&made.image, bis_light_envmap(light), to, width, power, diag);
     made.place = (bis_image_place){.full_width = made.image.width, .full_height = made.image.height};
     return hand_over(image, status, &made, diag);

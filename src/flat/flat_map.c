@@ -44,13 +44,18 @@ static bis_status set_area_exponent(bis_light_desc *desc, double b, bis_diag *di
     return bis_flat_refuse(diag, "area_exponent is %g: give a number in [0, %g]", b, BIS_AREA_EXPONENT_MAX);
 }
 
+bis_status bis_flat_no_mapping(bis_diag *diag, const char *mapping)
+{
+    return bis_flat_refuse(diag, "there is no mapping \"%.40s\": give latlong, angular, equalarea, mirrorball, "
+                           "verticalcross, horizontalcross or cubestrip", mapping);
+}
+
 static bis_status set_mapping(bis_light_desc *desc, const char *mapping, bis_diag *diag)
 {
     desc->has_mapping = true;
     desc->mapping = bis_mapping_find(mapping);
     if (desc->mapping != BIS_N_MAPPINGS) return BIS_OK;
-    return bis_flat_refuse(diag, "there is no mapping \"%.40s\"; `bis help lights` lists them, as \"latlong\"",
-                           mapping);
+    return bis_flat_no_mapping(diag, mapping);
 }
 
 static bis_status set(bis_light_desc *desc, const char *setting, bis_diag *diag)

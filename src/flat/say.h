@@ -19,6 +19,9 @@ int bis_flat_end(bis_status status, bis_diag *diag, char *say, size_t size);
 /* bis_flat_refuse adds what is wrong with the caller's arguments to diag, and returns BIS_INPUT. */
 bis_status bis_flat_refuse(bis_diag *diag, const char *fmt, ...) BIS_PRINTF(2, 3);
 
+/* bis_flat_no_mapping refuses the name of a mapping, and lists those that there are. */
+bis_status bis_flat_no_mapping(bis_diag *diag, const char *mapping);
+
 /* A pointer to n items that a caller gives; n = 0: it may be NULL. */
 typedef struct bis_flat_pointer {
     const char *name;

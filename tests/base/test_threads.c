@@ -77,6 +77,10 @@ static void too_many_are_an_error_and_the_program_goes_on(void **state)
     print_message("a sanitizer needs more address space than this test leaves\n");
     skip();
 #endif
+#ifndef _OPENMP
+    print_message("a compiler without OpenMP has one thread\n");
+    skip();
+#endif
     int status;
     const pid_t child = fork();
     if (child == 0) _exit(in_little_room());

@@ -409,7 +409,8 @@ static void a_setting_of_a_map_has_its_limits(void **state)
         "as_printed", "kin=cdf", "area=1", "1", "level=1"};
     static const struct { const char *setting, *text; } wrong[] = {
         TABLE("list"), TABLE(""), TABLE("alias2"), EXPONENT("-0.1"), EXPONENT("10.1"), EXPONENT("nan"),
-        {"mapping=", "there is no mapping \"\"; `bis help lights` lists them, as \"latlong\""}};
+        {"mapping=", "there is no mapping \"\": give latlong, angular, equalarea, mirrorball, verticalcross, "
+                     "horizontalcross or cubestrip"}};
     bis_light *light;
 
     for (size_t i = 0; i < N_OF(good); i++) bis_flat_light_close(map_of("white", LIST(good[i])));

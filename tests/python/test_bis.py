@@ -95,6 +95,7 @@ class Maps(unittest.TestCase):
             (np.ones((4, 4, 3)), '"the array" is square'),
             (np.ones((2, 4, 3), bool), "map is"),
             ([["a"]], "map is"),
+            (5, "map is 5: give a path, or an array of numbers"),
         ):
             with self.assertRaises(bis.Error) as e:
                 bis.Envmap(a)
@@ -437,6 +438,7 @@ class Mistakes(unittest.TestCase):
                 (lambda: bis.render(scene, camera=bis.Camera((0, 0, 0), (0, 0, 0))), "camera:1:1"),
                 (lambda: bis.render(scene, approximate=1), 'approximate is "1"'),
                 (lambda: bis.render(scene, light=np.ones((2, 2))), "give (h, w, 3)"),
+                (lambda: bis.render(scene, light=5), "light is 5: give an Envmap, a path, or an array"),
                 (lambda: bis.render(SCENE + "\0"), "scene holds a NUL"),
             ])
 

@@ -6,6 +6,17 @@
 #include <omp.h>
 #endif
 
+/* With how many threads a picture is made if n are asked for. */
+static inline int threads_of(int n)
+{
+#ifdef _OPENMP
+    return n;
+#else
+    (void)n;
+    return 1;
+#endif
+}
+
 /* Returns the number before. */
 static inline int use_threads(int n)
 {

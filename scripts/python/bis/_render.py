@@ -161,7 +161,11 @@ def settings_of(settings: dict[str, Any]) -> Any:
 
 def sky_of(light: Any) -> Optional[Envmap]:
     """The map of an argument `light`, if there is one."""
-    return light if light is None or isinstance(light, Envmap) else Envmap(light)
+    if light is None or isinstance(light, Envmap):
+        return light
+    if not isinstance(light, (str, bytes, os.PathLike)) and not np.ndim(light):
+        raise WrongType("light is %r: give an Envmap, a path, or an array (h, w, 3)" % (light,))
+    return Envmap(light)
 
 
 def wait(work: Callable[[], Any], stop: ctypes.c_int, seen: Optional[list[Progress]] = None,

@@ -23,7 +23,7 @@ def uniform(n: int, seed: int = 0, stream: int = 0) -> Doubles:
 def _picture(name: str, a: ArrayLike) -> Floats:
     """An array (h, w, 3). The library looks at the sides, but they must fit into its int."""
     raw = given(name, a)
-    if raw.dtype.kind not in "iuf":
+    if raw.dtype.kind not in "iuf" or not raw.ndim:
         raise WrongType("%s is %.60r: give a path, or an array of numbers" % (name, a))
     if raw.ndim != 3 or raw.shape[2] != 3 or max(raw.shape) >= 1 << 31:
         raise Error("%s has the shape %s: give (h, w, 3)" % (name, raw.shape))

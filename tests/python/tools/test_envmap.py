@@ -179,8 +179,14 @@ class Figures(unittest.TestCase):
             self.assertAlmostEqual(there.resampled[1] / em.power, 1, places=3)
             self.assertEqual(np.argmax(there.pixels.sum(2)), 9 * 64 + 25)
         self.assertEqual(em.to_mapping("verticalcross", 9)[0].shape, (12, 9, 3))
-        with self.assertRaisesRegex(bis.Error, "its width, 10, must be a multiple of 3"):
-            em.to_mapping("verticalcross", 10)
+        for width, said in ((10, "its width, 10, must be a multiple of 3"), (-1, "width is -1: give a width")):
+            with self.assertRaisesRegex(bis.Error, said):
+                em.to_mapping("verticalcross", width)
+        with self.assertRaises(bis.Error) as e:  # all of them are named
+            em.to_mapping("x")
+        said = str(e.exception)
+        self.assertIn('there is no mapping "x"', said)
+        self.assertEqual([m for m in envmap.MAPPINGS if m not in said], [])
 
 
 class Pictures(unittest.TestCase):

@@ -106,6 +106,13 @@ class Tev(unittest.TestCase):
             self.assertEqual((done.returncode, os.path.exists(self.picture)), (2, False))
             self.assertIn('--to is "%s", must be HOST:PORT' % place, done.stderr)
 
+    def test_a_picture_that_cannot_be_shown_is_refused_before_the_render(self):
+        for name in ("picture.png", "picture.tif", "picture"):
+            path = os.path.join(self.folder.name, name)
+            done = self.run_tev("--to", "127.0.0.1:1", "--quiet", "--spp", "1", "--outfile", path, self.scene)
+            self.assertEqual((done.returncode, os.path.exists(path)), (2, False))
+            self.assertIn('output file "%s": the ending must be .exr, .pfm or .hdr' % path, done.stderr)
+
     def test_the_exit_state_is_that_of_the_render(self):
         done = self.run_tev("--to", "127.0.0.1:1", self.scene + ".none")
         self.assertEqual(done.returncode, 1)

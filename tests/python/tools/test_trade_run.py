@@ -494,7 +494,8 @@ class Command(unittest.TestCase):
                 ("scene.txt --integrator sri --output n2", 2, 'must be em, brdf, mis, rejection or sir (did you mean'),
                 ("scene.txt --integrator exact --output n3", 2, "--integrator exact: must be"),
                 ("scene.txt --quick --integrator rejection --output n4", 2, "all settings to be measured are biased"),
-                ("scene.txt --resume --seeds 2 --output whole", 2, "which --seeds would change"),
+                ("scene.txt --resume --seeds 2 --output whole", 2, "which --seeds would change; leave out it,"),
+                ("scene.txt --resume --seed 3 --quick --output whole", 2, "which --quick and --seed would change"),
                 ("scene.txt --reference tiny.exr --output n5", 2, "the reference has 4 x 3 pixels"),
                 ("scene.txt --reference none.exr --output n6", 1, 'cannot open "none.exr"'),
                 ("none.txt --quiet --output n7", 1, "none.txt"),
@@ -530,13 +531,27 @@ class Command(unittest.TestCase):
             with self.subTest(new):
                 self.assertIn(said, self.run_it("scene.txt --resume --output damaged", 2)[1])
 
-    def test_a_plan_reads_back_as_it_was_written(self):
+    def test_a_plan_whose_crop_keeps_no_pixel_is_refused(self):
         with open(self.path("whole/plan.txt")) as f:
             good = f.read()
+        os.makedirs(self.path("thinned"))
+        with open(self.path("thinned/plan.txt"), "w") as f:
+            f.write(good.replace("step 1\nsize 24 16", "step 3\nsize 8 5"))
+        for crop, size in (((0, 0.01, 0, 1), "0 x 5"), ((0, 1, 0, 0.01), "8 x 0")):
+            with self.assertRaisesRegex(bis.Error, size + " pixels are to be measured, must be at least 1"):
+                planfile.read_plan(self.path("thinned"), self.plan_of(good), "scene.txt", crop)
+
+    def plan_of(self, text):
+        """A plan with all settings of the scene, for plan.txt of this text."""
         known = Integrators.of(bis.about())
         settings = Table(known, bis.Scene(self.path("scene.txt")).about()["light"]["area_exponent"]).settings(
             Options("s", "f", 1), True, ("sir", dict(known.defaults("sir"), candidates=20, shadowrays=2)))
-        plan = Plan(settings=settings, fingerprint=int(good.split()[1], 16))
+        return Plan(settings=settings, fingerprint=int(text.split()[1], 16))
+
+    def test_a_plan_reads_back_as_it_was_written(self):
+        with open(self.path("whole/plan.txt")) as f:
+            good = f.read()
+        plan = self.plan_of(good)
         planfile.read_plan(self.path("whole"), plan, "scene.txt", (0, 1, 0, 1))
         self.assertEqual(planfile.plan_text(plan), good)
 

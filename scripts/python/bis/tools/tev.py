@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # help works without numpy
     import numpy as np
 
 TEV = "localhost:14158"
+_SHOWN = (".exr", ".pfm", ".hdr")  # the pictures that `bis` writes and reads
 
 COMMAND = command.Command(
     name="tev",
@@ -127,6 +128,9 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _render(o: SimpleNamespace, path: str, arguments: list[str], say: command.Say) -> int:
+    if os.path.splitext(path)[1].lower() not in _SHOWN:
+        raise Error('error: output file "%s": the ending must be .exr, .pfm or .hdr, because tev is '
+                    "shown the first one" % path)
     before = _stamp(path)
     viewer = _Viewer(o.to)
     program = os.environ.get("BIS_PROGRAM", "bis")

@@ -31,10 +31,11 @@ _OF_PLAN = ("quick", "seeds", "passes", "seed", "resolution", "reference", "inte
 
 def _check_resume(o: SimpleNamespace) -> None:
     """The plan of a measurement stays as it is."""
-    for name in _OF_PLAN:
-        if o.resume and name in o.given:
-            raise Error("error: --resume goes on by the plan in the folder, which --%s would "
-                        "change; leave it out, or measure into another folder" % name)
+    changed = ["--" + name for name in _OF_PLAN if name in o.given]
+    if o.resume and changed:
+        raise Error("error: --resume goes on by the plan in the folder, which %s would change; leave "
+                    "out %s, or measure into another folder"
+                    % (" and ".join(changed), "it" if len(changed) == 1 else "them"))
 
 
 def _check_integrators(asked: list[str], rivals: list[str]) -> None:
