@@ -49,18 +49,16 @@ def too_many(p):
 
 class Verdicts(unittest.TestCase):
     def test_right_pictures_are_rarely_called_wrong(self):
-        for k, skewness in ((1, 0.1), (1, 1.0), (4, 1.0), (8, 1.0)):
+        for k, skewness in ((1, 1.0), (4, 1.0), (8, 0.1)):
             with self.subTest(k=k, skewness=skewness):
                 p = p_values(k, skewness)
                 self.assertFalse(any(too_many(p)))
                 self.assertGreater(np.mean(p < 0.5), 0.3)  # and they are no constant
 
     def test_a_judge_that_forgets_its_correction_calls_right_pictures_wrong(self):
-        self.assertTrue(any(too_many(p_values(1, 1.0, lambda v: min(q.p for q in v.parts)))))
-        truth, theirs = pictures(1, 1.0)
-        tiles = verdict._Tiles(truth)
-        z = tiles.means(theirs[0] - truth.mean) / np.sqrt(tiles.noise(theirs - truth.mean)[0])
-        self.assertLess(verdict.normal_p(z).min(), 0.05)  # the worst of 300, without a correction
+        def worst(v):  # of 300 tiles and channels, as if it were one
+            return float(verdict.normal_p(v.z).min())
+        self.assertTrue(all(too_many(p_values(1, 1.0, worst))))
 
     def test_small_mistakes_are_seen(self):
         truth, theirs = pictures(8, 0.1)
@@ -78,8 +76,6 @@ class Verdicts(unittest.TestCase):
 
 
 class Causes(unittest.TestCase):
-    NAME = "half-sky"
-
     def search(self, change, name="still-lamps", **how):
         light = bis.Envmap(kit.light(name))
         studio = causes.Studio(kit.text(name), light, light)
@@ -104,8 +100,14 @@ class Causes(unittest.TestCase):
                           "sin(theta) missing in the density (1/sin too much light)")
 
     def test_twice_the_light_is_named_with_all_that_it_may_be(self):
-        self.assert_named(self.search(lambda studio, render: 2 * render()),
-                          "twice the light (MIS without weights, or +1 EV)")
+        light = bis.Envmap(kit.light("still-lamps"))
+        studio = causes.Studio(kit.text("still-lamps"), light, light)
+        studio.at(causes.LEVELS[1])
+        truth = studio.right()
+        noise = 1 + 0.01 * np.random.default_rng(SEED).standard_normal((8,) + truth.mean.shape)
+        found = causes._try(studio, causes.FACTOR, studio.right, 2 * truth.mean * noise, 1e-4)
+        self.assertEqual(found.name, "twice the light (MIS without weights, or +1 EV)")
+        self.assertTrue(found.verdict.is_right)
 
     def test_what_makes_one_picture_is_one_class(self):
         """A judge that took the first of them for the cause would be sure of a mistake that need not
@@ -150,9 +152,10 @@ class Program(unittest.TestCase):
             r = self.judge(folder, "--json", "--html", at("page.html"))
             self.assertEqual(r.returncode, 0, r.stdout + r.stderr)
             self.assertTrue(json.loads(r.stdout)[0]["right"])
-            self.assertIn("judge", open(at("page.html"), encoding="utf-8").read())
+            with open(at("page.html"), encoding="utf-8") as page:
+                self.assertIn('"right": true', page.read())
             for name, a, said in (
-                    ("eight.npy", np.round(right * 100) / 100, "8 bits"),
+                    ("eight.npy", np.round(right * noise * 40) / 40, "8 bits"),
                     ("bad.npy", np.where(right > 0.5, np.nan, right), "not finite"),
                     ("small.npy", (right * noise)[:, :9], "9 x 48 pixels, the scene 64 x 48"),
                     ("flat.npy", (right * noise)[..., 0], "give floats (h, w, 3)")):

@@ -33,9 +33,9 @@ COMMAND = command.Command(
                        "nearest that it does, and listed", command.FLAG),
     ],
     min_operands=0, max_operands=1000,
-    notes="""PICTURE is linear light of SCENE by the other renderer: .exr, .hdr, .pfm, or .npy of the
-shape (h, w, 3); several are of other seeds. From eight on, their scatter is the
-noise. DIR holds pictures of the kit's scenes: NAME.exr, or several, NAME-1.exr
+    notes="""PICTURE is linear light of SCENE by the other renderer: .exr, .hdr, .pfm, or
+.npy of the shape (h, w, 3); several are of other seeds. From eight on, their
+scatter is the noise. DIR holds pictures of the kit's scenes: NAME.exr, or several, NAME-1.exr
 and so on. Exit status 0: right, 1: wrong, 2: refused, as a picture of 8 bits.
 """)
 
@@ -60,8 +60,8 @@ def _cases_of(folder: str, say: command.Say) -> list[Case]:
         if ending in ENDINGS and fits:
             by_name.setdefault(max(fits, key=len), []).append(os.path.join(folder, name))
     if not by_name:
-        raise Error('error: "%s" holds no picture of the kit: give NAME.exr (.hdr, .pfm, .npy), with '
-                    "NAME as in `bis judge --kit DIR`" % folder)
+        raise Error('error: "%s" holds no picture of the kit: give NAME.exr (.hdr, .pfm, .npy), '
+                    "with NAME as in `bis judge --kit DIR`" % folder)
     return [report.of_kit(n, by_name[n], say) for n in kit.NAMES if n in by_name]
 
 

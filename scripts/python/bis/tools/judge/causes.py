@@ -134,8 +134,8 @@ class Studio:
             return f.read()
 
     def edited(self, change: Callable[[str], str]) -> Optional[Truth]:
-        """The picture of a changed text; None: the text has nothing to change, or names files, which
-        the text alone would look for elsewhere."""
+        """The picture of a changed text; None: the text has nothing to change, or names files,
+        which the text alone would look for elsewhere."""
         changed = change(self.text)
         if changed == self.text or (self.light is None and "filename" in self.text):
             return None
@@ -307,9 +307,6 @@ def _factor(theirs: Doubles, of: Truth, fixed: Doubles) -> tuple[str, Truth]:
 
 # ---- scenes and films ----
 
-NUMBER = r"([-+.\deE]+)"
-
-
 def _numbers(names: str, change: Callable[[float], float]) -> Callable[[str], str]:
     """An edit of a scene's text: the numbers of parameters."""
     find = re.compile(r'("(?:float|rgb|color|spectrum) (?:%s)"\s*\[?)([-+.\deE\s]+)' % names)
@@ -396,7 +393,8 @@ def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
         return lambda: studio.truth(studio.copies()[(np.s_[:],) + at], studio.outlines[at])
 
     yield FACTOR, studio.right
-    yield FACTOR + ON_SURFACES, studio.right
+    if (studio.alpha < 1).any():
+        yield FACTOR + ON_SURFACES, studio.right
     for name, curve in CURVES.items():
         yield name, of_picture(curve)
     yield "shadows missing", lambda: studio.truth(np.where(

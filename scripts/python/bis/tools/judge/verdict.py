@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Is a picture right? A test of its differences from a picture whose error is known.
 
-The picture is cut into some 100 tiles. What they tell, in each channel, becomes four p-values: all
-tiles together (the sum of z^2 over them), the worst tile, the mean of the whole, and outlines apart.
-Pixels at outlines are in no tile: there a filter or a film that lies half a pixel off shows, as the
-sum of the differences times the slope of the true picture in x, in y, or times its curvature.
+The picture is cut into some 100 tiles. What they tell, in each channel, becomes four p-values:
+all tiles together (the sum of z^2 over them), the worst tile, the mean of the whole, and outlines
+apart. Pixels at outlines are in no tile: there a filter or a film that lies half a pixel off shows,
+as the sum of the differences times the slope of the true picture in x, in y, or times its
+curvature.
 
 The noise of eight pictures or more is their scatter, and z is Student's. Of fewer, it is estimated
 from the picture: from differences of neighbours for one, from the scatter in each pixel for some.
 This asks that pixels are independent, which a filter wider than a pixel or a denoiser breaks.
 
 The p-values are made one by Cauchy's combination (Liu and Xie 2020), which needs no independence:
-channels, and the four tests, tell much of the same. A difference of up to a share `ROUNDING` of a tile's radiance costs
-nothing, because floats that are added in another order are off by the same in all tiles.
+channels, and the four tests, tell much of the same. Where there is no noise, a difference of up to
+a share `ROUNDING` of a tile's radiance costs nothing, because floats that are added in another
+order are off by the same in all tiles.
 """
 from __future__ import annotations
 
@@ -106,8 +108,8 @@ def together(p: Doubles) -> float:
 
 class _Tiles:
     """Tiles of a picture, and what is in them: pixels that are no outlines, of surfaces and of
-    background apart, because their noise differs. A pixel with no neighbour in its tile, whose noise
-    nothing would show, is in none."""
+    background apart, because their noise differs. A pixel with no neighbour in its tile, whose
+    noise nothing would show, is in none."""
 
     def __init__(self, truth: Truth) -> None:
         h, w = truth.outlines.shape
@@ -237,9 +239,9 @@ def _own(tiles: _Tiles, truth: Truth) -> Doubles:
     return np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
 
 
-def _beyond(d: Doubles, free: Doubles) -> Doubles:
-    """Differences beyond what costs nothing."""
-    return np.copysign(np.maximum(np.abs(d) - free, 0), d)
+def _beyond(d: Doubles, free: Doubles, variance: Doubles) -> Doubles:
+    """Differences beyond what costs nothing, where noise does not hide it."""
+    return np.where(variance > free * free, d, np.copysign(np.maximum(np.abs(d) - free, 0), d))
 
 
 def _size(variance: Doubles, mean: float) -> float:
@@ -261,8 +263,8 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     errors = [(noise, dof), (own, len(truth.copies) - 1.0), (of_floats, math.inf)]
     total = noise + own + of_floats
     skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
-    z = _welch(_beyond(each.mean(0), free), errors, skewness)
-    tells = (z != 0) | (noise + own > of_floats)  # a tile without noise is right by itself
+    z = _welch(_beyond(each.mean(0), free, noise + own), errors, skewness)
+    tells = (z != 0) | (noise + own > free * free)  # a tile without noise is right by itself
     parts = []
     if tells.any():
         squares = [chi_square_p(float(np.sum(z[t, c] ** 2)), int(t.sum()))
@@ -276,8 +278,10 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     if len(d) >= MANY:
         variance = means.var(0, ddof=1) / len(d) + np.sum(share ** 2 * (own + of_floats), 0)
         freedom = len(d) - 1.0
-    mean_z = _welch(_beyond(means.mean(0), np.sum(share * free, 0)), [(variance, freedom)])
-    parts.append(Part("mean", together(normal_p(mean_z))))
+    mean_z = _welch(_beyond(means.mean(0), np.sum(share * free, 0), variance),
+                    [(variance, freedom)])
+    if mean_z.any():
+        parts.append(Part("mean", together(normal_p(mean_z[mean_z != 0]))))
     edge = _outlines_z(d, truth)
     if len(edge):
         parts.append(Part("outlines", together(normal_p(edge))))
@@ -285,15 +289,16 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     mean = float(np.sum(share * ours)) / 3
     ratio = 1 + float(means.mean()) / mean if mean > 0 else math.inf
     farthest = np.append(np.take_along_axis(z, np.abs(z).argmax(1)[:, None], 1)[:, 0], 0.0)
-    return Verdict(together(np.array([part.p for part in parts])), parts, ratio,
+    p = together(np.array([part.p for part in parts])) if parts else 1.0
+    return Verdict(p, parts, ratio,
                    math.sqrt(float(variance.mean())) / mean if mean > 0 else math.inf,
                    _size(noise[tells], mean), _size(own[tells], mean), farthest[tiles.of],
                    len(d) >= MANY)
 
 
 def fit(theirs: Doubles, truth: Truth) -> tuple[float, float]:
-    """The factor of the truth that fits pictures best, by weighted least squares over tiles, and its
-    standard error."""
+    """The factor of the truth that fits pictures best, by weighted least squares over tiles, and
+    its standard error."""
     tiles = _Tiles(truth)
     noise, _ = tiles.noise(theirs - truth.mean)
     own = _own(tiles, truth)
