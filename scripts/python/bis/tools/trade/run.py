@@ -34,7 +34,7 @@ def _check_resume(o: SimpleNamespace) -> None:
     changed = ["--" + name for name in _OF_PLAN if name in o.given]
     if o.resume and changed:
         raise Error("error: --resume goes on by the plan in the folder, which %s would change; "
-                    "leave out %s, or measure into another folder"
+                    "leave %s out, or measure into another folder"
                     % (" and ".join(changed), "it" if len(changed) == 1 else "them"))
 
 
