@@ -75,10 +75,16 @@ for picture in bis.png $(find docs -name '*.png' -o -name '*.svg' -o -name '*.gi
     [ -f "$picture" ] && mkdir -p "$out/$(dirname "$picture")" && cp "$picture" "$out/$picture"
 done
 sources=$(find src include tests scripts docs data/scenes data/generate -name '*.[ch]' -o \
-    -name '*.sh' -o -name '*.awk' -o -name '*.js' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' |
+    -name '*.sh' -o -name '*.awk' -o -name '*.js' -o -name '*.txt' -o -name '*.py' -o -name '*.ipynb' -o \
+    -path scripts/check/mutants -o -path 'docs/data/*.csv' |
     grep -v '^tests/data/bad/') # some are not UTF-8
 for file in LICENSE CITATION.cff codemeta.json docs/paper.bib Makefile scene.txt $sources; do
     [ -f "$file" ] && source "$file"
 done
+# The page of a folder that a page names: what is in it.
+printf '<!DOCTYPE html>\n<meta charset="utf-8"><title>docs/data</title>\n' >"$out/docs/data.html"
+for csv in docs/data/*.csv; do
+    printf '<p><a href="data/%s.html">%s</a>\n' "${csv##*/}" "${csv##*/}"
+done >>"$out/docs/data.html" || exit 1
 rm -f "$out/head.html"
 echo "make docs: $out/index.html${live:+, with the figures that live}"

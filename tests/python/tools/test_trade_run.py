@@ -494,7 +494,7 @@ class Command(unittest.TestCase):
                 ("scene.txt --integrator sri --output n2", 2, 'must be em, brdf, mis, rejection or sir (did you mean'),
                 ("scene.txt --integrator exact --output n3", 2, "--integrator exact: must be"),
                 ("scene.txt --quick --integrator rejection --output n4", 2, "all settings to be measured are biased"),
-                ("scene.txt --resume --seeds 2 --output whole", 2, "which --seeds would change; leave out it,"),
+                ("scene.txt --resume --seeds 2 --output whole", 2, "which --seeds would change; leave it out,"),
                 ("scene.txt --resume --seed 3 --quick --output whole", 2, "which --quick and --seed would change"),
                 ("scene.txt --reference tiny.exr --output n5", 2, "the reference has 4 x 3 pixels"),
                 ("scene.txt --reference none.exr --output n6", 1, 'cannot open "none.exr"'),

@@ -129,8 +129,8 @@ def main(arguments: Sequence[str]) -> int:
 
 def _render(o: SimpleNamespace, path: str, arguments: list[str], say: command.Say) -> int:
     if os.path.splitext(path)[1].lower() not in _SHOWN:
-        raise Error('error: output file "%s": the ending must be .exr, .pfm or .hdr, because tev is '
-                    "shown the first one" % path)
+        raise Error('error: output file "%s": the ending must be .exr, .pfm or .hdr, because tev '
+                    "is shown the first one" % path)
     before = _stamp(path)
     viewer = _Viewer(o.to)
     program = os.environ.get("BIS_PROGRAM", "bis")

@@ -33,8 +33,8 @@ def _check_resume(o: SimpleNamespace) -> None:
     """The plan of a measurement stays as it is."""
     changed = ["--" + name for name in _OF_PLAN if name in o.given]
     if o.resume and changed:
-        raise Error("error: --resume goes on by the plan in the folder, which %s would change; leave "
-                    "out %s, or measure into another folder"
+        raise Error("error: --resume goes on by the plan in the folder, which %s would change; "
+                    "leave %s out, or measure into another folder"
                     % (" and ".join(changed), "it" if len(changed) == 1 else "them"))
 
 
