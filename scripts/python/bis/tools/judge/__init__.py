@@ -21,7 +21,7 @@ ENDINGS = (".exr", ".hdr", ".pfm", ".npy")
 
 COMMAND = command.Command(
     name="judge",
-    usage="judge [options] PICTURE... SCENE | judge [options] DIR | judge --kit DIR",
+    usage="judge [options] PICTURE... SCENE | DIR | --kit DIR",
     summary="is a picture of another renderer right, and if not, what mistake makes it?",
     options=[
         command.Option("kit", "DIR",
