@@ -35,8 +35,9 @@ COMMAND = command.Command(
     min_operands=0, max_operands=1000,
     notes="""PICTURE is linear light of SCENE by the other renderer: .exr, .hdr, .pfm, or
 .npy of the shape (h, w, 3); several are of other seeds. From eight on, their
-scatter is the noise. DIR holds pictures of the kit's scenes: NAME.exr, or several, NAME-1.exr
-and so on. Exit status 0: right, 1: wrong, 2: refused, as a picture of 8 bits.
+scatter is the noise. DIR holds pictures of the kit's scenes: NAME.exr, or
+several, NAME-1.exr and so on. Exit status 0: right, 1: wrong, 2: refused, as a
+picture of 8 bits.
 """)
 
 
