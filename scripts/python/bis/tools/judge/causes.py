@@ -284,6 +284,8 @@ CLAMPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 # ---- factors ----
 
+ANY_FACTOR = "the light times "  #: without a reason, it may stand for what dims all by chance
+
 FACTORS = {
     "twice the light (MIS without weights, or +1 EV)": 2.0,
     "half of the light (one of two samplers lost, or -1 EV)": 0.5,
@@ -298,7 +300,7 @@ def _factor(theirs: Doubles, of: Truth, fixed: Doubles) -> tuple[str, Truth]:
     """The factor of a picture, without a fixed part (h, w, 3), by least squares over tiles; and its
     name."""
     f, se = fit(theirs - fixed, of._replace(copies=of.copies - fixed))
-    name = "the light times %.4g +- %.1g" % (f, se)
+    name = ANY_FACTOR + "%.4g +- %.1g" % (f, se)
     for known, value in FACTORS.items():
         if abs(f - value) <= 4 * se:
             name, f = known, value

@@ -16,7 +16,7 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import CONVENTIONS, CURVES, LEVELS, MOST, SMALL, Found, Studio, search
+from .causes import ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, Found, Studio, search
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 SURE = 0.01  #: the least p of a cause that is named
@@ -47,10 +47,12 @@ class Case:
 
     @property
     def is_sure(self) -> bool:
-        """Whether one cause is named, or several that make one picture."""
+        """Whether one cause is named, or several that make one picture. A factor that is no known
+        one may be what is left of another mistake."""
         best = self.named[:1]
-        return bool(best) and all(judge(best[0].truth.copies, f.truth).is_right
-                                  for f in self.named[1:])
+        if not best or best[0].name.startswith(ANY_FACTOR):
+            return False
+        return all(judge(best[0].truth.copies, f.truth).is_right for f in self.named[1:])
 
 
 # ---- files ----
@@ -165,7 +167,7 @@ def _cause(case: Case) -> str:
     named = ["%s (p = %s)" % (f.name, _p(f.verdict.p)) for f in case.named]
     if not named:
         return "unknown; none of %d predicted pictures fits" % len(case.causes)
-    if len(named) == 1:
+    if len(named) == 1 and case.is_sure:
         rest = max((f for f in case.causes if f is not case.named[0]), key=lambda f: f.verdict.p)
         return "%s; the next, %s, has p = %s" % (named[0], rest.name, _p(rest.verdict.p))
     return ("these make one picture: " if case.is_sure else "one of these: ") + "; ".join(named)
