@@ -12,7 +12,7 @@ import numpy as np
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
-from bis.tools.judge import causes, kit, verdict  # noqa: E402
+from bis.tools.judge import causes, kit, report, verdict  # noqa: E402
 
 PROGRAM = os.path.join(ROOT, "bis")
 SEED = int(os.environ.get("BIS_TEST_SEED", "0"))
@@ -127,6 +127,14 @@ class Kit(unittest.TestCase):
                 file = bis.render(os.path.join(folder, name + ".txt"), spp=1)
                 text = bis.render(kit.text(name), spp=1, light=kit.light(name))
                 np.testing.assert_array_equal(file.rgb, text.rgb)
+
+    def test_its_exact_pictures_have_errors(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertIn("furnace ", report.write_exact(folder, ["furnace"], causes.LEVELS[1]))
+            mean, error = (bis.read_image(os.path.join(folder, "exact", name))[0]
+                           for name in ("furnace.exr", "furnace-stderr.exr"))
+            self.assertAlmostEqual(float(mean[0, 0, 0]), 1, 6)  # the sky
+            self.assertEqual(float(error[0, 0, 0]), 0)
 
     def test_the_closed_forms(self):
         """In a furnace of radiance 1 a ball shows its albedo (bis's own ground truth is no part of

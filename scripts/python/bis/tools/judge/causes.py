@@ -19,7 +19,7 @@ from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
 
-from ... import Envmap, Error, Scene
+from ... import Envmap, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
 from .verdict import ROUNDING, Truth, Verdict, fit, judge, outlines_of
@@ -78,8 +78,8 @@ class Studio:
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
         self.alpha = p.alpha.astype(float)
         self.outlines = outlines_of(p.layers["normal"].astype(float),
-                                     p.layers["depth"].astype(float), self.alpha,
-                                     p.rgb.astype(float))
+                                    p.layers["depth"].astype(float), self.alpha,
+                                    p.rgb.astype(float))
 
     def _open(self, source: str) -> Scene:
         return Scene(source, light=self.light, approximate=self.approximate)

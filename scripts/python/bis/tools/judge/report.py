@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, field
-from typing import Any, Callable
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
@@ -230,14 +230,16 @@ def write_page(path: str, cases: list[Case], said: str) -> None:
     page.write(path, "judge", {"cases": shown, "wrong_below": WRONG}, said)
 
 
-def write_exact(folder: str) -> str:
+def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
+                level: tuple[int, int] = LEVELS[-1]) -> str:
     """Write the right pictures of the kit and their standard errors, and list them."""
     lines = []
     place = os.path.join(folder, "exact")
     os.makedirs(place, exist_ok=True)
-    for name in kit.NAMES:
-        studio = Studio(kit.text(name), Envmap(kit.light(name)))
-        studio.at(LEVELS[-1])
+    for name in names:
+        light = Envmap(kit.light(name))
+        studio = Studio(kit.text(name), light, light)
+        studio.at(level)
         copies = studio.right().copies
         mean, error = copies.mean(0), copies.std(0, ddof=1) / math.sqrt(len(copies))
         save_image(os.path.join(place, name + ".exr"), mean)

@@ -65,7 +65,7 @@ class Verdict:
     parts: list[Part]
     ratio: float  #: of the means, theirs over ours, of what is in tiles
     ratio_se: float
-    noise: float  #: of their tiles, in the median: standard error as a share of the whole mean
+    noise: float  #: of their tiles: root mean squared error as a share of the whole mean
     own: float  #: of ours
     z: Doubles  #: (h, w): of each pixel's tile, of the channel that is farthest off; 0 at outlines
     is_sure_of_noise: bool  #: its noise is known by MANY pictures
@@ -204,6 +204,7 @@ def _welch(d: Doubles, errors: list[tuple[Doubles, Any]], skewness: Any = 0.0) -
     t = d / np.sqrt(safe)
     t = t + skewness * (1 + 2 * t * t) / 6 + skewness ** 2 * t ** 3 / 27
     return np.where(known, student_z(t, dof), 0.0)
+
 
 def _slopes(mean: Doubles) -> list[Doubles]:
     """How a picture changes if it is moved in x, in y, or blurred."""
