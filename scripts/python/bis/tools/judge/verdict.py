@@ -222,16 +222,12 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
         u = np.sum(d[:, at] * slope[at], axis=-1)  # (k, pixels)
         own = np.sum(truth.copies[:, at] * slope[at], axis=(1, 2)).var(ddof=1) / len(truth.copies)
         if len(d) >= MANY:
-            x = u.sum(1)
-            size = math.sqrt(x.var(ddof=1) / len(d) + own)
-            dof = len(d) - 1
+            variance, dof = u.sum(1).var(ddof=1) / len(d), len(d) - 1.0
         else:
-            x = u.mean(0)
-            size = math.sqrt(float(np.sum(x * x)) + own)
-            dof = len(x)
-        total = float(x.mean() if len(d) >= MANY else x.sum())
-        if size > 0:
-            z.append(float(student_z(np.float64(total / size), np.float64(dof))))
+            variance, dof = np.sum(u.mean(0) ** 2), float(at.sum())
+        if variance + own > 0:
+            t = u.sum() / len(d) / math.sqrt(variance + own)
+            z.append(float(student_z(np.float64(t), np.float64(dof))))
     return np.array(z)
 
 
