@@ -114,13 +114,13 @@ static void expect(float *mean, const seen_sums *place, uint32_t n_parts, const 
  * from .97 to 1.03; 0.95: 1.03, up to 1.11 in microfacet.) */
 static inline BIS_INLINE float best_h(float v) { return sqrtf(v * (1 - 0.8f * v)); }
 
-/* g, the mean of V, for each part, and the best h.
+/* g, the mean of V, for each part, the best h, and left: E[(V - g)^2], which the control leaves.
  *
  * The mean of V in the tile is worth as much as two rays of the cell. (One ray: 1.00; four: 1.01.) For g it is the mean
  * of the part's own rays, if there are any: where all came through g is 1, where none did it is 0, and there the
  * control leaves no noise. */
 BIS_LANES
-static void guess_parts(float *restrict g, float *restrict h, const seen_sums *restrict cell,
+static void guess_parts(float *restrict g, float *restrict h, float *restrict left, const seen_sums *restrict cell,
                         const seen_sums *restrict tile, const float *restrict mean)
 {
 #pragma omp simd
@@ -131,10 +131,11 @@ static void guess_parts(float *restrict g, float *restrict h, const seen_sums *r
         const float v = (s + 2 * mean[i]) / (r + 2);
         g[i] = (s + 2 * known) / (r + 2);
         h[i] = best_h(v);
+        left[i] = v * (1 - v) + (v - g[i]) * (v - g[i]);
     }
 }
 
-enum { ARRAYS = 5 };
+enum { ARRAYS = 7 };
 
 size_t bis_guess_bytes(uint32_t n) { return ARRAYS * (size_t)bis_lanes_round_up(n) * sizeof(float); }
 
@@ -150,6 +151,8 @@ bis_status bis_guess_init(bis_visibility_guess *f, uint32_t n, bis_diag *diag)
     f->h = f->memory + 2 * padded;
     f->control = f->memory + 3 * padded;
     f->of_square = f->memory + 4 * padded;
+    f->left = f->memory + 5 * padded;
+    f->noise = f->memory + 6 * padded;
     for (uint32_t k = 0; k < n; k++) f->own[k] = 0.5f;
     return BIS_OK;
 }
@@ -176,18 +179,19 @@ void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v
     const size_t first = bis_visibility_first_cell(v, place), end = first + (is_tile ? v->cells : 1);
     const uint32_t n_parts = parts_of(n);
     seen_sums all = {{0}, {0}}, own = all;
-    float mean[PARTS], g[PARTS], h[PARTS];
+    float mean[PARTS], g[PARTS], h[PARTS], left[PARTS];
     const bis_square *around = square_around(v, place);
 
     for (size_t i = first; i < end; i++) add_cell(&all, &v->known[i]);
     for (size_t i = first; i < cell; i++) add_cell(&all, &v->counted[i]);
     expect(mean, &all, n_parts, around ? around->mean : NULL);
     if (is_tile) add_cell(&own, &v->known[cell]);
-    guess_parts(g, h, &own, &all, mean);
+    guess_parts(g, h, left, &own, &all, mean);
     for (uint32_t k = 0; k < n; k++) {
         const uint32_t part = bis_visibility_part(k, n);
         f->own[k] = h[part];
         f->g[k] = g[part];
+        f->left[k] = left[part];
         f->of_square[k] = around ? around->h[part] : 0;
     }
     f->has_square = f->knows = around != NULL;
@@ -234,13 +238,16 @@ typedef struct mixture {
 } mixture;
 
 BIS_LANES
-static void mix(float *restrict b, float *restrict h, float *restrict control, const float *restrict own,
-                const float *restrict of_square, const float *restrict g, mixture m, uint32_t n)
+static void mix(float *restrict b, const bis_visibility_guess *restrict f, mixture m, uint32_t n)
 {
+    float *restrict h = f->h, *restrict control = f->control, *restrict noise = f->noise;
+    const float *own = f->own, *of_square = f->of_square, *g = f->g, *left = f->left;
+
 #pragma omp simd
     for (uint32_t i = 0; i < n; i++) {
         h[i] = m.cell * own[i] + (m.square * of_square[i] + m.nothing);
         control[i] = g[i] / h[i];
+        noise[i] = left[i] / (h[i] * h[i]);
         b[i] *= h[i];
     }
 }
@@ -263,7 +270,7 @@ void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n)
     const mixture with = {8 * unit, sum[1] > 0 ? 4 * unit * (sum[0] / sum[1]) : 0, 3 * unit * (sum[0] / (float)W)},
                   alone = {12 * unit, 0, 3 * unit * (sum[0] / (float)W)};
 
-    mix(b, f->h, f->control, f->own, f->of_square, f->g, f->has_square ? with : alone, padded);
+    mix(b, f, f->has_square ? with : alone, padded);
 }
 
 uint16_t *bis_guess_count(const bis_visibility_guess *f, uint32_t k, uint32_t n)

@@ -82,7 +82,7 @@ struct bis_guide {
     void (*chosen)(bis_guide *guide, bis_set *set);
     /* rays returns how many of the candidates are to be chosen where the settings say N: at most BIS_MORE_RAYS N. It
      * may ask the candidates and what was known before, but not the marks by which they are chosen */
-    uint32_t (*rays)(const bis_guide *guide, const bis_set *set, uint32_t N);
+    uint32_t (*rays)(const bis_guide *guide, const bis_set *set, const bis_point *pt, uint32_t N);
     /* has_control returns whether V's mean g is known and worth its time; expected then returns
      * (1/M) sum_i F/q g - Z sum_j F/(phat h) g, whose mean is 0 (sir.c) */
     bool (*has_control)(const bis_guide *guide, const bis_set *set, const bis_point *pt);
@@ -119,9 +119,9 @@ static inline double bis_set_weight(const bis_set *set, uint32_t i)
 rgbd bis_set_mean(const bis_set *set);
 
 /* bis_set_rays returns N, or with a guide how many candidates it wants chosen in the place of N. */
-static inline uint32_t bis_set_rays(const bis_set *set, uint32_t N)
+static inline uint32_t bis_set_rays(const bis_set *set, const bis_point *pt, uint32_t N)
 {
-    return set->guide && set->guide->rays ? set->guide->rays(set->guide, set, N) : N;
+    return set->guide && set->guide->rays ? set->guide->rays(set->guide, set, pt, N) : N;
 }
 
 /* bis_set_choose chooses N candidates with probabilities w_i/sum w. Zhat must be > 0. */

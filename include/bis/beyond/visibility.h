@@ -57,9 +57,11 @@ typedef struct bis_visibility_guess {
     float *own;        /* > 0, below 0.71: the best h as far as the cell knows */
     float *g;          /* in [0,1]: the mean of V */
     float *of_square;  /* the best h as far as the square around it knows */
+    float *left;       /* E[(V - g)^2] */
     bool has_square;   /* there is one */
     float *h;          /* > 0: what the weights of the point's candidates are multiplied by */
     float *control;    /* g/h */
+    float *noise;      /* left/h^2 */
     bool knows;        /* something was counted */
     float *memory;     /* what holds all arrays */
     bis_seen *counted; /* borrowed: of the cell; NULL: do not count */
@@ -101,7 +103,7 @@ static inline size_t bis_visibility_first_cell(const bis_visibility *v, size_t p
  * complete. The square around it must be closed. */
 void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v, size_t cell);
 
-/* bis_guess_mix makes h and control for a point, of whose product with cluster k of n b[k] is a bound, W their sum, and
+/* bis_guess_mix makes h, control and noise for a point, of whose product with cluster k of n b[k] is a bound, W their sum, and
  * multiplies b by h. 8 of 15 candidates then go where the cell alone would send them, 4 where the square around it
  * would, and 3 where it would go without knowledge. Without a square it is 4 of 5 and 1 of 5. */
 void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n);
