@@ -24,7 +24,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* Exit statuses, docs/command-line.md. */
+/* Exit statuses, `bis help output`. */
 enum { BIS_EXIT_DONE = 0, BIS_EXIT_FAILED = 1, BIS_EXIT_USAGE = 2, BIS_EXIT_INTERRUPTED = 130 };
 
 typedef enum bis_option_kind {

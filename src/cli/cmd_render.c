@@ -41,6 +41,7 @@ static void show_progress(const bis_progress *p, void *user)
     char text[BIS_PROGRESS_TEXT];
     (void)user;
     fprintf(stderr, "\r%s   \033[K", bis_progress_text(text, p));
+    fflush(stderr);
 }
 
 /* --write-every: the pictures of the passes so far. That one of them cannot be written stops nothing. */
@@ -125,6 +126,7 @@ static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, 
     options.every = o->write_every;
     if (!status) status = bis_render(result, film, o->scene, &desc->view, &options, diag);
     if (show) fputs("\r\033[K", stderr);
+    fflush(stderr);
     char text[BIS_PERCENT];
     if (!status && leads && o->error > 0 && !(result->error.is_bounded && result->error.upper <= o->error)) {
         if (!result->error.is_bounded)

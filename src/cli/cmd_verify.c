@@ -150,6 +150,7 @@ static void print_progress(const char *what, void *user)
 {
     (void)user;
     fprintf(stderr, "\r%s ...\033[K", what);
+    fflush(stderr);
 }
 
 static int verify_bits(bis_diag *diag)
@@ -178,6 +179,7 @@ static int verify(void *options, const char *const *operands, bis_diag *diag)
     int exit_status = is_map(path) ? verify_map(&v, o, path, diag) : verify_scene(&v, o, path, diag);
 
     if (show) fputs("\r\033[K", stderr);
+    fflush(stderr);
     if (exit_status == BIS_EXIT_DONE) exit_status = bis_cli_exit_status(bis_verify_judge(&v, diag));
     if (exit_status == BIS_EXIT_DONE) { /* a report that lacks a test would say that all passed */
         if (o->json) print_json(&v, path);

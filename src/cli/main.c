@@ -63,6 +63,8 @@ static int run_instrument(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    /* A line that is printed in pieces leaves in one write, because mpirun may lose one of many (Open MPI 5). */
+    setvbuf(stderr, NULL, _IOLBF, BUFSIZ);
     const int of_instrument = run_instrument(argc, argv);
 
     if (of_instrument >= 0) return of_instrument;

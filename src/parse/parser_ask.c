@@ -167,7 +167,11 @@ void bis_params_skip(bis_parser *p, const char *const *names, size_t n)
 
 #define CHANGES "ignored, which changes "
 
-const bis_ignored bis_ignored_parameters[] = {
+/* A parameter that is passed over, and what changes by it: nothing, noise, brightness, colour or shape. */
+static const struct ignored {
+    const char *directive, *name, *consequence; /* "ignored, which changes ..." */
+    const char *idle; /* the value of which nothing is said, because it changes nothing; NULL: none */
+} ignored[] = {
     {"Camera", "shutteropen", CHANGES "nothing", NULL},
     {"Camera", "shutterclose", CHANGES "nothing", NULL},
     {"Film", "diagonal", CHANGES "nothing", NULL},
@@ -197,7 +201,6 @@ const bis_ignored bis_ignored_parameters[] = {
     {"Option", "seed", CHANGES "nothing but noise", NULL},
     {"Option", "wavefront", CHANGES "nothing", NULL},
 };
-const size_t bis_n_ignored = BIS_COUNT(bis_ignored_parameters);
 
 /* Is the one value of the parameter, a text or a number, that of the row that changes nothing? */
 static bool is_idle(const bis_parser *p, const bis_param *param, const char *idle)
@@ -211,8 +214,8 @@ static bool is_idle(const bis_parser *p, const bis_param *param, const char *idl
 
 void bis_params_ignore(bis_parser *p, const char *directive)
 {
-    for (size_t i = 0; i < bis_n_ignored; i++) {
-        const bis_ignored *row = &bis_ignored_parameters[i];
+    for (size_t i = 0; i < BIS_COUNT(ignored); i++) {
+        const struct ignored *row = &ignored[i];
         bis_param *param = strcmp(row->directive, directive) == 0 ? bis_params_find(p, row->name) : NULL;
         if (!param) continue;
         param->used = true;

@@ -42,16 +42,8 @@ bis_loc bis_params_at(bis_parser *p, const char *name);
 /* bis_params_skip takes parameters of pbrt's that do not matter, names[n], without a word. */
 void bis_params_skip(bis_parser *p, const char *const *names, size_t n);
 
-/* A parameter that is passed over, and what changes by it: nothing, brightness, colour or shape. docs/scene-format.md,
- * "What is ignored", has the same rows. */
-typedef struct bis_ignored {
-    const char *directive, *name, *consequence; /* "ignored, which changes ..." */
-    const char *idle; /* the value of which nothing is said, because it changes nothing; NULL: none */
-} bis_ignored;
-extern const bis_ignored bis_ignored_parameters[];
-extern const size_t bis_n_ignored;
-
-/* bis_params_ignore passes over what the table has of a directive, with a warning the first time. */
+/* bis_params_ignore passes over the directive's parameters that `bis` ignores. The first time each has a warning, which
+ * says what changes by it. */
 void bis_params_ignore(bis_parser *p, const char *directive);
 
 /* bis_params_end complains of all parameters that nobody asked for. what: `Camera "perspective"`. */

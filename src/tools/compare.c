@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* compare: figures that say how far image a is from reference b: docs/command-line.md, "bis compare".
+/* compare: figures that say how far image a is from reference b: `bis compare --help`.
  *
  * relMSE divides each squared difference by b^2 + m^2/100, m the reference's mean: dark and bright pixels weigh alike,
  * black ones do not divide by zero (a tenth of the mean is where "dark" ends). A pixel with a NaN or infinity in either

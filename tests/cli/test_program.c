@@ -426,28 +426,6 @@ static void write_every_writes_the_picture_while_it_is_rendered(void **state)
     assert_non_null(strstr(r.messages, "--write-every has no effect with --part"));
 }
 
-/* The energy before and after is printed. A probe of constant radiance 1: 3 x 4 pi, whatever its corners
- * hold. */
-static void a_light_probe_tells_its_energy_before_and_after(void **state)
-{
-    program_run r;
-    bis_image image;
-    double before = 0, after = 0;
-    assert_int_equal(bis_image_init(&image, 32, 32, NULL), BIS_OK);
-    for (int i = 0; i < 32 * 32; i++) image.pixels[i] = (rgb){1, 1, 1};
-    assert_int_equal(bis_image_save(&image, DIR "/probe.pfm", NULL), BIS_OK);
-    bis_image_clear(&image);
-    program_write_file(DIR "/probe.txt",
-        "WorldBegin LightSource \"infinite\" \"string filename\" \"probe.pfm\" \"string mapping\" \"angular\"\n");
-    program_expect(&r, 0, DIR "/probe.txt --resolution 4x4 --spp 1 --outfile " DIR "/probe.exr");
-    const char *figures = strstr(r.messages, "integral of r+g+b ");
-    assert_non_null(figures);
-    assert_int_equal(sscanf(figures, "integral of r+g+b %lf before, %lf after", &before, &after), 2);
-    assert_true(fabs(before / (12 * PI) - 1) < 0.01 && fabs(after / before - 1) < 0.01);
-    program_expect(&r, 0, DIR "/probe.txt --resolution 4x4 --spp 1 --quiet --outfile " DIR "/probe.exr");
-    assert_string_equal(r.messages, "");
-}
-
 static void an_option_without_effect_is_a_warning(void **state)
 {
     program_run r;
@@ -1166,7 +1144,6 @@ int main(void)
         cmocka_unit_test(without_jitter_a_picture_of_one_colour_has_no_scatter),
         cmocka_unit_test(a_time_budget_renders_for_a_while_and_says_how_much),
         cmocka_unit_test(write_every_writes_the_picture_while_it_is_rendered),
-        cmocka_unit_test(a_light_probe_tells_its_energy_before_and_after),
         cmocka_unit_test(an_option_without_effect_is_a_warning),
         cmocka_unit_test(a_black_picture_tells_where_the_shapes_are),
         cmocka_unit_test(one_lit_channel_is_no_black_picture),

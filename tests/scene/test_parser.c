@@ -1009,35 +1009,11 @@ static void every_example_of_the_reference_is_a_scene(void **state)
     bis_free(page);
 }
 
-/* Of each row of the code there is a line of the page with its directive, its name and what changes. */
-static void what_is_ignored_is_what_the_reference_says(void **state)
-{
-    unsigned char *page;
-    size_t size;
-    assert_int_equal(bis_file_read(&page, &size, "docs/scene-format.md", (bis_loc){0}, NULL), BIS_OK);
-    for (size_t i = 0; i < bis_n_ignored; i++) {
-        const bis_ignored *row = &bis_ignored_parameters[i];
-        const char *changes = strstr(row->consequence, "changes ") + strlen("changes "), *line = (const char *)page;
-        char directive[64], name[64], effect[128], text[512] = "";
-        snprintf(directive, sizeof directive, "| `%s` |", row->directive);
-        snprintf(name, sizeof name, "`%s`", row->name);
-        snprintf(effect, sizeof effect, "| %s |", changes);
-        while (*line && !(strstr(text, directive) && strstr(text, name) && strstr(text, effect))) {
-            const size_t n = strcspn(line, "\n");
-            snprintf(text, sizeof text, "%.*s", (int)n, line);
-            line += n + (line[n] == '\n');
-        }
-        if (!*line) fail_msg("%s \"%s\" changes %s", row->directive, row->name, changes);
-    }
-    bis_free(page);
-}
-
 static const expect_word words[] = {{"parse", parse}, {NULL, NULL}};
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_ignored_is_what_the_reference_says),
         cmocka_unit_test(a_scene_that_cannot_be_read_is_the_disks_fault),
         cmocka_unit_test(each_line_has_its_messages),
         cmocka_unit_test(a_scene_is_read_to_its_fiftieth_error),

@@ -436,22 +436,6 @@ static void f_is_eq_3_14_and_reciprocal(void **state)
     }
 }
 
-static void f_and_density_at_once_have_the_same_bits(void **state)
-{
-    bis_rng r;
-
-    bis_rng_init(&r, SEED, 6, 0, 0);
-    for (int i = 0; i < 1000; i++) {
-        bis_material m = bis_phong(grey(0.5), grey(i % 3 * 0.25), exponents[i % N_EXPONENTS]);
-        bis_bsdf b;
-        seen_from(&b, &m, 70);
-        vec3 wi = bis_warp_sphere(bis_rng_double(&r), bis_rng_double(&r));
-        double pdf;
-        rgb f = bis_bsdf_f_pdf(&b, wi, &pdf), g = bis_bsdf_f(&b, wi);
-        assert_true(f.r == g.r && f.g == g.g && f.b == g.b && pdf == bis_bsdf_pdf(&b, wi));
-    }
-}
-
 static void bounds_hold_and_are_reached_head_on_E27(void **state)
 {
     bis_rng r;
@@ -637,7 +621,6 @@ int main(void)
         cmocka_unit_test(power_agrees_with_long_double_pow),
         cmocka_unit_test(back_lobe_and_horizon_are_dark_E34),
         cmocka_unit_test(f_is_eq_3_14_and_reciprocal),
-        cmocka_unit_test(f_and_density_at_once_have_the_same_bits),
         cmocka_unit_test(bounds_hold_and_are_reached_head_on_E27),
         cmocka_unit_test(the_mirror_direction_is_as_unit_as_floats_can_be),
         cmocka_unit_test(black_material_and_hidden_surface_draw_nothing),

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* compare: the figures of docs/command-line.md, "bis compare", by hand, by the formulas written out, and at the edges.
+/* compare: the figures of `bis compare --help`, by hand, by the formulas written out, and at the edges.
  */
 #include "bis/tools/compare.h"
 #include "bis/thesis/rng.h"

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """report.html, and the summary on standard output.
 
-All that the page says of this measurement is one JSON object, made here (docs/live.md says what
-each member is). The page has the words, and its script draws them. Numbers are those of the
+All that the page says of this measurement is one JSON object, made here. Its members have the names
+of model.py and stats.py. The page has the words, and its script draws them. Numbers are those of the
 measurement, in seconds and shares: how they are printed and where they stand is the page's affair.
 """
 from __future__ import annotations
