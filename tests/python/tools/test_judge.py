@@ -136,7 +136,7 @@ class Kit(unittest.TestCase):
     def test_mitsubas_rows_make_the_bilinear_map(self):
         m = np.random.default_rng(SEED).random((8, 1, 3), np.float32).repeat(16, 1)
         rows = kit.for_mitsuba(m)
-        y = (np.arange(32) + 0.5) / 32 * (len(rows) - 1)  # row i at 180 i/(h - 1) degrees
+        y = (np.arange(64) + 0.5) / 64 * (len(rows) - 1)  # row i at 180 i/(h - 1) degrees
         low, part = y.astype(int), (y % 1)[:, None, None]
         np.testing.assert_allclose(rows[low] * (1 - part) + rows[low + 1] * part,
                                    causes._bilinear(m)[:, :16], rtol=1e-6)
