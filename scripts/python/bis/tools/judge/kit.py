@@ -203,9 +203,9 @@ def _mitsuba(name: str) -> str:
     lines = []
     for i, shape in enumerate(SHAPES[row.shapes]):
         if shape.kind == "sphere":
-            lines.append('<shape type="sphere"><point name="center" value="%s"/>'
+            lines.append('<shape type="sphere"><point name="center" x="%.9g" y="%.9g" z="%.9g"/>'
                          '<float name="radius" value="%s"/>'
-                         % (_words(shape.points), _words(shape.size)))
+                         % (*shape.points[0], _words(shape.size)))
         else:
             lines.append('<shape type="obj"><string name="filename" value="meshes/%s-%d.obj"/>'
                          '<boolean name="face_normals" value="true"/>' % (row.shapes, i))
