@@ -211,8 +211,10 @@ def _moved(m: Floats, x: int, y: int) -> Floats:
     return fine
 
 
-def _bilinear(m: Floats, k: int = 4) -> Floats:
-    """A map of k x k pixels for each, with the values between the centres of its pixels."""
+def _bilinear(m: Floats) -> Floats:
+    """A map of k x k pixels for each, with the values between the centres of its pixels; k is 8 for
+    small maps, where a camera that sees the map would tell 4 from Mitsuba's."""
+    k = min(max(2048 // m.shape[1], 2), 8)
     x = (np.arange(k * m.shape[1]) + 0.5) / k - 0.5
     y = np.clip((np.arange(k * len(m)) + 0.5) / k - 0.5, 0, len(m) - 1)
     left, top = np.floor(x).astype(int), np.floor(y).astype(int)

@@ -6,6 +6,7 @@ bis, Mitsuba 3 and pbrt-v4, with their maps. The world is right-handed, and z is
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -111,10 +112,12 @@ def light(name: str) -> NDArray[np.float32]:
 
 
 def for_mitsuba(pixels: NDArray[np.float32]) -> NDArray[np.float32]:
-    """A map for Mitsuba, whose rows lie at 180 i/(h - 1) degrees: one row more, each the mean of
-    the two rows that meet there."""
+    """A map for Mitsuba, whose rows lie at 180 i/(h - 1) degrees: those of this one, and between
+    any two and at the poles one more, so that Mitsuba's is the bilinear map of these pixels."""
     ends = np.concatenate([pixels[:1], pixels, pixels[-1:]])
-    return (ends[:-1] + ends[1:]) / 2
+    rows = ((ends[:-1] + ends[1:]) / 2).repeat(2, 0)[:-1]
+    rows[1::2] = pixels
+    return rows
 
 
 def _words(values: Any) -> str:
@@ -200,9 +203,9 @@ def _mitsuba(name: str) -> str:
     lines = []
     for i, shape in enumerate(SHAPES[row.shapes]):
         if shape.kind == "sphere":
-            lines.append('<shape type="sphere"><point name="center" value="%s"/>'
+            lines.append('<shape type="sphere"><point name="center" x="%.9g" y="%.9g" z="%.9g"/>'
                          '<float name="radius" value="%s"/>'
-                         % (_words(shape.points), _words(shape.size)))
+                         % (*shape.points[0], _words(shape.size)))
         else:
             lines.append('<shape type="obj"><string name="filename" value="meshes/%s-%d.obj"/>'
                          '<boolean name="face_normals" value="true"/>' % (row.shapes, i))
@@ -234,8 +237,9 @@ def _files() -> dict[str, str]:
     return files
 
 
-def write(folder: str) -> None:
-    """Write all scenes, maps and meshes, and README.md, into a folder that need not exist."""
+def write(folder: str, names: Iterable[str] = NAMES) -> None:
+    """Write all scenes and meshes, the maps of some scenes, and README.md, into a folder that need
+    not exist."""
     import bis  # here, because names and descriptions need no library
 
     for part in ("maps", "meshes"):
@@ -243,7 +247,7 @@ def write(folder: str) -> None:
     for name, content in _files().items():
         with open(os.path.join(folder, name), "w", encoding="utf-8", newline="\n") as f:
             f.write(content)
-    for map, name in {row.map: name for name, row in SCENES.items()}.items():
+    for map, name in {SCENES[name].map: name for name in names}.items():
         pixels = light(name)
         square = bis.Envmap(pixels).to_mapping("equalarea", 1024)[0]
         for ending, a in (("", pixels), ("-mitsuba", for_mitsuba(pixels)), ("-square", square)):
