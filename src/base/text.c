@@ -2,6 +2,7 @@
 /* text: one byte after the other. */
 #include "text.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -63,6 +64,15 @@ const char *bis_percent(char buf[BIS_PERCENT], double share)
     else if (p > 1e6) snprintf(buf, n, "over 1000000%%");
     else snprintf(buf, n, "%.0f%%", p);
     return buf;
+}
+
+const char *bis_percent_above(char buf[BIS_PERCENT], double bound)
+{
+    const double p = 100 * bound, step = p < 10 ? pow(10, floor(log10(p)) - 1) : 1;
+
+    if (!(p > 0)) return bis_percent(buf, bound);
+    /* 0.012 is no double: without the 1e-9 it might become 1.3% */
+    return bis_percent(buf, ceil(p / step - 1e-9) * step / 100);
 }
 
 uint64_t bis_fnv1a(uint64_t h, const void *bytes, size_t n)

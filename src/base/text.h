@@ -33,6 +33,9 @@ enum { BIS_PERCENT = 24 };
  * it: "0.034%", "3.4%", "12%", "170%"; "below 0.0001%" and "over 1000000%" beyond these. */
 const char *bis_percent(char buf[BIS_PERCENT], double share);
 
+/* bis_percent_above does the same for a bound, which it rounds up. */
+const char *bis_percent_above(char buf[BIS_PERCENT], double bound);
+
 #define BIS_FNV1A UINT64_C(0xcbf29ce484222325)
 
 /* bis_fnv1a returns the hash h (BIS_FNV1A at first) after n more bytes. Source: FNV-1a of Fowler, Noll, Vo. */

@@ -75,7 +75,7 @@ static void print_forecast(const bis_forecast *f, void *user)
             "%sbis: warning: --error %g would take about %s and %.3g camera samples a pixel; %s (the error is at most "
             "%s so far)\n",
             isatty(STDERR_FILENO) ? "\r\033[K" : "", o->error, bis_duration(time, f->seconds), f->spp, end,
-            bis_percent(error, f->error));
+            bis_percent_above(error, f->error));
 }
 
 static void warn_of_checkpoint(const char *message)
@@ -135,7 +135,7 @@ static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, 
                      bis_render_files_why_unknown(&result->error));
         else
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %s after %u passes",
-                     o->error, bis_percent(text, result->error.upper), result->passes);
+                     o->error, bis_percent_above(text, result->error.upper), result->passes);
     }
     if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
     if (!status && result->passes && leads && desc->has_light && !o->part.share.n)

@@ -120,7 +120,8 @@ static bis_status list_channels(bis_channel *channels, int *n, float **planes, c
 
 const char *bis_render_files_why_unknown(const bis_film_error *error)
 {
-    return isnan(error->relative_rmse) ? "one pass is too few" : "a few pixels carry most of it";
+    if (isnan(error->relative_rmse)) return "one pass is too few";
+    return error->has_upper ? "a few pixels carry most of it" : "pixels may not have found their light yet";
 }
 
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats)
@@ -142,6 +143,7 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
                 r->passes == 1 ? "" : "es");
     fprintf(stderr, "%s, ", bis_duration(seconds, r->seconds));
     if (r->error.is_known) fprintf(stderr, "error about %s\n", bis_percent(error, r->error.relative_rmse));
+    else if (r->error.has_upper) fprintf(stderr, "error at most %s\n", bis_percent_above(error, r->error.upper));
     else fprintf(stderr, "error unknown: %s\n", bis_render_files_why_unknown(&r->error));
 }
 

@@ -321,7 +321,8 @@ static verdict both(verdict a, verdict b)
  *
  * The figure is known where the standard deviation of the squared error is at most 0.2, of its root half of that: the
  * error of this picture is then within a fifth of the figure in 95 of 100 renders, if it is right (docs/trust.md).
- * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds to 0.4. What pixels have
+ * With fewer than 8 samples a third must do, and 0.3. The bound has room for doubt, and holds where the figure is not
+ * known (docs/trust.md), but a render ends by it only where its doubt is up to 0.4. What pixels have
  * in common, and those that are alone, are no part of this 0.4, because --error would not end where more samples do not
  * make them less. Neither holds where R is more than (1/2)^2: pixels that have not yet found their light look black and
  * exact, so that the means of the pixels cannot stand for the truth. */
@@ -331,15 +332,15 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     const double doubt_of_figure = f->weight < 8 ? 0.3 : 0.2, doubt_of_bound = 0.4;
     const double dof = f->independent ? f->passes - 1.0 : 1;
 
-    if (f->passes < 2) return (bis_film_error){nan, nan, nan, false, false};
+    if (f->passes < 2) return (bis_film_error){nan, nan, nan, false, false, false};
     const double floor = floor_of(f);
-    if (floor == 0) return (bis_film_error){0, 0, 0, true, true}; /* black, hence without scatter */
+    if (floor == 0) return (bis_film_error){0, 0, 0, true, true, true}; /* black, hence without scatter */
     const total all = sum_over(f, floor, HUGE_VAL);
-    if (all.sum.likely == 0) return (bis_film_error){0, 0, 0, true, true};
+    if (all.sum.likely == 0) return (bis_film_error){0, 0, 0, true, true, true};
     const double most = most_of_mean * all.sum.likely / n;
     const total capped = sum_over(f, floor, most);
     const double q = capped.q, r = fmax(0, capped.sum.common / all.sum.likely);
-    if (!is_weighable(q)) return (bis_film_error){nan, nan, nan, false, false};
+    if (!is_weighable(q)) return (bis_film_error){nan, nan, nan, false, false, false};
     verdict ratio = {0, 0}, high = {0, 0};
     if (!f->independent) {
         const verdict twins = of_twins(f, q, floor, most);
@@ -350,9 +351,11 @@ bis_film_error bis_film_estimate_error(const bis_film *f)
     const double noise = q / (1 + 2 / dof) * (2 + 2 / dof), ends = log(all.sum.most / all.sum.least) / 10;
     const double usual = noise + ratio.doubt + truth_spread * fmax(0, all.q - q) + ends * ends;
     const double doubt = sqrt(usual + truth_spread * fmax(0, all.q_alone - all.q) + 2 * r * r);
+    const double upper = sqrt(mean * exp(high.log + normal_95 * doubt) * (1 + skew / f->weight));
     return (bis_film_error){.relative_rmse = rmse,
-                            .upper = sqrt(mean * exp(high.log + normal_95 * doubt) * (1 + skew / f->weight)),
+                            .upper = upper,
                             .scatter = sqrt(all.sum.scatter / n),
                             .is_known = doubt <= doubt_of_figure && rmse <= most_rmse,
+                            .has_upper = upper <= 1 && rmse <= most_rmse,
                             .is_bounded = sqrt(usual) <= doubt_of_bound && rmse <= most_rmse};
 }

@@ -92,6 +92,7 @@ int bis_describe_picture(const bis_stats *s, bis_attribute attributes[BIS_MAX_AT
     attributes[n++] = (bis_attribute){"render_seconds", NULL, r->seconds};
     if (r->error.is_known)
         attributes[n++] = (bis_attribute){"estimated_relative_rmse", NULL, r->error.relative_rmse};
+    if (r->error.has_upper) attributes[n++] = (bis_attribute){"relative_rmse_at_most", NULL, r->error.upper};
     const double raised = bis_film_raised(s->film);
     if (raised > 0) attributes[n++] = (bis_attribute){"bis:raised", NULL, raised};
     attributes[n++] = (bis_attribute){"bis:version", BIS_VERSION, 0};
@@ -191,6 +192,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
     print_approximations(&j, s->desc, s->approximated);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->error.is_known ? r->error.relative_rmse : (double)NAN);
+    bis_json_number(&j, "relative_rmse_at_most", r->error.has_upper ? r->error.upper : (double)NAN);
     bis_json_bool(&j, "interrupted", r->interrupted);
     if (r->missing > 0) bis_json_number(&j, "missing", r->missing);
     bis_json_close(&j);

@@ -42,6 +42,16 @@ static void a_percentage_is_written_as_a_person_writes_it(void **state)
     }
 }
 
+static void a_bound_in_percent_is_rounded_up(void **state)
+{
+    static const struct { double bound; const char *text; } cases[] = {
+        {0, "0%"}, {0.00121, "0.13%"}, {0.012, "1.2%"}, {0.0121, "1.3%"}, {0.0991, "10%"}, {0.12, "12%"}, {0.1201, "13%"},
+        {1, "100%"}, {(double)INFINITY, "over 1000000%"}};
+    char text[BIS_PERCENT];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_string_equal(bis_percent_above(text, cases[i].bound), cases[i].text);
+}
+
 static size_t length_of(const unsigned char *c, size_t n)
 {
     return bis_utf8_length((const char *)c, (const char *)c + n);
@@ -104,6 +114,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_duration_has_the_unit_that_keeps_it_short),
         cmocka_unit_test(a_percentage_is_written_as_a_person_writes_it),
+        cmocka_unit_test(a_bound_in_percent_is_rounded_up),
         cmocka_unit_test(utf8_is_what_rfc_3629_says),
         cmocka_unit_test(a_byte_continues_if_its_two_bits_say_so),
         cmocka_unit_test(what_is_appended_stays_in_its_place),

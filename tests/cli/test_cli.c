@@ -375,7 +375,9 @@ static void the_last_line_tells_how_a_render_ended(void **state)
          "pass, 2.0 min, error unknown: one pass is too few\n"},
         {{.interrupted = true, .spp = 4, .passes = 3, .seconds = 0.5, .error = {.relative_rmse = 0.5}}, 3,
          "bis: interrupted after 4 camera samples a pixel; wrote a.exr, b.png, c.pfm: 24 x 16 pixels, 4 camera samples "
-         "a pixel in 3 passes, 0.5 s, error unknown: a few pixels carry most of it\n"},
+         "a pixel in 3 passes, 0.5 s, error unknown: pixels may not have found their light yet\n"},
+        {{.spp = 4, .passes = 2, .seconds = 1, .error = {.relative_rmse = 0.1, .upper = 0.123, .has_upper = true}}, 1,
+         "bis: wrote a.exr: 24 x 16 pixels, 4 camera samples a pixel in 2 passes, 1 s, error at most 13%\n"},
         {{.spp = 4000000000, .passes = 2, .seconds = 50, .error = {.relative_rmse = 0.125, .is_known = true}}, 1,
          "bis: wrote a.exr: 24 x 16 pixels, 4000000000 camera samples a pixel in 2 passes, 50 s, error about 12%\n"},
     };

@@ -144,7 +144,8 @@ typedef struct bis_film_error {
     /* false: few pixels carry the error, and the figure may be wrong by a fifth or more, with fewer than 8 samples by a
      * third */
     bool is_known;
-    bool is_bounded;      /* false: the bound may be wrong, too. True wherever is_known is */
+    bool has_upper;       /* false: the error is so large that `upper` tells nothing */
+    bool is_bounded;      /* `upper` is near enough to the error to end a render by. True wherever is_known is */
 } bis_film_error;
 
 /* bis_film_estimate_error estimates the relative RMSE of the picture without a reference: sqrt(relMSE) of
