@@ -19,8 +19,8 @@ typedef struct bis_beyond_needs {
 /* bis_beyond_needs_of returns what a render with these settings can make use of. */
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s);
 
-/* bis_beyond_needs_under returns the same for a light that is known: nothing under a constant light, which has no
- * curve, and under one of which nothing can be drawn. The light must be built for these settings. */
+/* bis_beyond_needs_under returns the same for a light that is known: nothing under one of which nothing can be
+ * drawn, nor under a constant light if nothing is learned. The light must be built for these settings. */
 bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *light);
 
 /* What one thread has. */

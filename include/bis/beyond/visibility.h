@@ -61,6 +61,7 @@ typedef struct bis_visibility_guess {
     float *h;          /* > 0: what the weights of the point's candidates are multiplied by */
     float *control;    /* g/h */
     bool knows;        /* something was counted */
+    bool is_dark;      /* most of the tile's rays were hidden */
     float *memory;     /* what holds all arrays */
     bis_seen *counted; /* borrowed: of the cell; NULL: do not count */
 } bis_visibility_guess;
