@@ -65,14 +65,17 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
     /* weighing them should not cost more than the candidates do */
     const uint32_t K = M < 32 ? BIS_CLUSTERS_FEW : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS;
     bis_status status;
+    uint32_t n_portals;
 
     *c = (bis_clusters){.n = 0};
+    bis_light_portals(light, &n_portals);
     status = bis_light_is_constant(light) ? make_map(&c->as_map, light, NULL) : BIS_OK;
     if (status) goto done;
     if (c->as_map) light = c->as_map;
     c->width = (uint32_t)bis_light_envmap(light)->width;
     status = cut(c, bis_light_importance(light), K);
     if (status) goto done;
+    c->n_parts = n_portals ? 2 * c->n : c->n;
     c->columns = (c->width + c->side - 1) / c->side; /* the last tile of a row may reach beyond the map */
     const uint32_t padded = bis_lanes_round_up(c->n);
     /* all points of a pass share the directions: where clusters are few, each has more */

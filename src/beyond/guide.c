@@ -23,6 +23,8 @@
 
 #include <math.h>
 
+enum { CHUNK = 256 /* directions that are held against portals at a time: 2 kB */ };
+
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
 {
     const bool product = s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify &&
@@ -44,6 +46,12 @@ bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *
 
 /* ---- proposal "product" ---- */
 
+/* Of a constant light, unless most of it is hidden, or it has portals. */
+static bool brdf_draws_all(const bis_product_guide *g)
+{
+    return g->clusters->as_map && !g->guess.is_dark && g->clusters->n_parts == g->clusters->n;
+}
+
 /* The candidates of the product find a lobe by themselves, down to the size of a cluster. The BRDF's share is then as
  * if there were 64 times as many candidates, and the half that it gets at most (candidates.c) shrinks with them. (16
  * times: 1.04 as visibility.c measures, in scene.txt 1.19; 256 times: 0.99, but the error alone is 1.13 in glossy-row.)
@@ -56,12 +64,95 @@ static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *p
 
     /* Of a constant light the BRDF draws the product, up to V. Where most is hidden the clusters know V. (Error x time
      * beside the clusters' draw everywhere: diffuse 1.2, glossy .3; beside nothing learned: .8 in the open, rooms .07.) */
-    if (bis_light_is_constant(pt->light) && !g->guess.is_dark) return (bis_mixture){0, M, 0};
+    if (brdf_draws_all(g)) return (bis_mixture){0, M, 0};
     /* no stream: with M > 1 nothing is drawn */
     if (bis_clusters_are_wide(g->clusters) && M > 1) return bis_candidates_divide(M, BIS_PROPOSAL_MIX, pt, NULL);
     const double share = pt->bsdf.p_specular / 2 / (1 + 64 * bis_candidates_in_lobe(M, pt));
     const uint32_t n_brdf = (uint32_t)floor(share * M); /* < M: share <= 1/2 */
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
+}
+
+/* ---- draw, density ---- */
+
+/* The clusters of candidates whose pixels are known, or of those of a constant light; and q, the product's density. */
+static void find_clusters(const bis_product_guide *g, const bis_lanes *x, uint32_t *pixel, uint16_t *part, uint32_t n)
+{
+    const bis_clusters *c = g->clusters;
+    vec3 axis[3];
+
+    if (c->as_map) {
+        bis_light_axes(c->as_map, axis);
+        bis_envmap_pixels(bis_light_envmap(c->as_map), axis, pixel, x, n);
+        for (uint32_t i = 0; i < n; i++) x->q[i] = (float)(1 / (4 * PI));
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        part[i] = (uint16_t)bis_cluster_of_pixel(c, pixel[i]);
+        x->q[i] *= (float)bis_product_scale(&g->product, c, part[i]);
+    }
+}
+
+/* The part of candidates that pass a portal: n + n place/all, rounded up, so that bis_visibility_part tells places from
+ * each other and from clusters. */
+static uint16_t part_of_place(const bis_product_guide *g, uint32_t place)
+{
+    const uint32_t n = g->clusters->n, places = bis_portals_places(g->portals.n);
+
+    return (uint16_t)(n + (place * n + places - 1) / places);
+}
+
+/* q of n candidates becomes the density of product and portals together. drawn: as in bis_portals_pass. */
+static void mix_portals(const bis_product_guide *g, const bis_lanes *x, uint16_t *part, uint32_t n, uint32_t drawn)
+{
+    float q[CHUNK];
+    int32_t place[CHUNK];
+
+    for (uint32_t first = 0; first < n; first += CHUNK) {
+        const bis_lanes y = bis_lanes_from(x, first);
+        const uint32_t m = n - first < CHUNK ? n - first : CHUNK;
+        bis_portals_pass(&g->portals, q, place, &y, m, drawn);
+        for (uint32_t i = 0; i < m; i++) {
+            y.q[i] = (float)g->portals.of_product * y.q[i] + q[i];
+            if (place[i] >= 0) part[first + i] = part_of_place(g, (uint32_t)place[i]);
+        }
+    }
+}
+
+/* What lies behind a portal is seen as the portal is: so the product draws from its clusters. */
+static void favour_portals(bis_product_guide *g)
+{
+    const bis_cones *c = &g->clusters->cone;
+    const bis_lanes axes = {.x = c->x, .y = c->y, .z = c->z};
+    float q[CHUNK], *w = g->product.clusters.w;
+    int32_t place[CHUNK];
+
+    for (uint32_t first = 0; first < g->clusters->n; first += CHUNK) {
+        const bis_lanes y = bis_lanes_from(&axes, first);
+        const uint32_t n = g->clusters->n - first < CHUNK ? g->clusters->n - first : CHUNK;
+        bis_portals_pass(&g->portals, q, place, &y, n, BIS_PORTALS_MAX);
+        for (uint32_t i = 0; i < n; i++)
+            if (place[i] >= 0)
+                w[first + i] *= g->guess.h[part_of_place(g, (uint32_t)place[i])] / g->guess.h[first + i];
+    }
+    g->product.W = bis_choice_sum(&g->product.clusters, g->product.clusters.n);
+}
+
+/* Draws n candidates through portals, behind those of the product. */
+static void draw_through(const bis_product_guide *g, bis_set *set, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    const uint32_t first = set->map.n, all = first + n;
+    const bis_lanes x = bis_lanes_from(&set->own, first);
+
+    bis_portals_draw(&g->portals, &x, set->u1, set->u2, &stream->rng);
+    bis_light_look(pt->light, &x, set->pixel, n);
+    find_clusters(g, &x, set->pixel, set->part + first, n);
+    mix_portals(g, &set->own, set->part, first, BIS_PORTALS_MAX);
+    for (uint32_t j = 0, i = first; j < g->portals.n; i = first + g->portals.end[j++]) {
+        const bis_lanes of_portal = bis_lanes_from(&set->own, i);
+        mix_portals(g, &of_portal, set->part + i, first + g->portals.end[j] - i, j);
+    }
+    for (uint32_t i = first; i < all; i++) set->stands_for[i] = 1;
+    for (uint32_t i = all; i < bis_lanes_round_up(all); i++) bis_lanes_put(&set->own, i, NULL, 1);
+    set->map.n = all;
 }
 
 static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt, bis_stream *stream)
@@ -72,12 +163,15 @@ static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt
     if (n == 0) return true; /* all from the BRDF: bis_product_guide_look has made h */
     if (!bis_product_weigh(&g->product, g->clusters, &pt->bsdf)) return false;
     if (g->visibility && !bis_product_guess(&g->product, g->clusters, &g->guess)) return false;
+    const uint32_t n_through = bis_portals_look(&g->portals, pt->light, pt->origin, n);
+    if (n_through && g->visibility) favour_portals(g);
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &set->own, set->part,
-                                            guide->weigh ? set->stands_for : NULL, n, marks[0][0], phase[0][0],
-                                            stream->pixel);
+                                            guide->weigh ? set->stands_for : NULL, n - n_through, marks[0][0],
+                                            phase[0][0], stream->pixel);
     set->map = (bis_half){set->own, drawn, 0};
+    if (n_through) draw_through(g, set, n_through, pt, stream);
     set->mark = marks[0][1];
     return true;
 }
@@ -85,20 +179,10 @@ static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt
 static void density(bis_guide *guide, bis_set *set)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
+    uint16_t *part = set->part + set->brdf.first;
 
-    const bis_clusters *c = g->clusters;
-    const bis_lanes *x = &set->brdf.x;
-    vec3 axis[3];
-
-    if (c->as_map) {
-        bis_light_axes(c->as_map, axis);
-        bis_envmap_pixels(bis_light_envmap(c->as_map), axis, set->pixel, x, set->brdf.n);
-        for (uint32_t i = 0; i < set->brdf.n; i++) x->q[i] = (float)(1 / (4 * PI));
-    }
-    for (uint32_t i = 0; i < set->brdf.n; i++)
-        set->part[set->brdf.first + i] = (uint16_t)bis_cluster_of_pixel(c, set->pixel[i]);
-    for (uint32_t i = 0; i < set->brdf.n && set->map.n; i++)
-        x->q[i] *= (float)bis_product_scale(&g->product, c, set->part[set->brdf.first + i]);
+    find_clusters(g, &set->brdf.x, set->pixel, part, set->brdf.n);
+    if (g->portals.of_product < 1) mix_portals(g, &set->brdf.x, part, set->brdf.n, BIS_PORTALS_MAX);
 }
 
 /* ---- learned visibility ---- */
@@ -127,7 +211,7 @@ static void chosen(bis_guide *guide, bis_set *set)
     for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
         const uint32_t k = set->part[set->choice.item[j]];
         set->y.h[j] = g->guess.h[k];
-        set->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n) : NULL;
+        set->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n_parts) : NULL;
     }
 }
 
@@ -189,12 +273,12 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
     bis_claims claims = {0};
     bis_status status = BIS_OK;
 
-    *g = (bis_product_guide){.clusters = clusters, .visibility = visibility};
+    *g = (bis_product_guide){.clusters = clusters, .visibility = visibility, .portals.of_product = 1};
     g->steps = (bis_guide){.divide = divide, .draw = draw, .density = density, .learns = true};
     bis_product_claim(&g->product, &claims);
     if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
     if (!status && visibility) {
-        status = bis_guess_init(&g->guess, clusters->n, diag);
+        status = bis_guess_init(&g->guess, clusters->n_parts, diag);
         g->steps.weigh = weigh;
         g->steps.chosen = chosen;
         g->steps.rays = rays;
@@ -219,14 +303,14 @@ size_t bis_product_guide_bytes(const bis_product_guide *g)
 
     if (!g->clusters) return 0;
     bis_product_claim(&p, &claims);
-    return claims.bytes + (g->visibility ? bis_guess_bytes(g->clusters->n) : 0);
+    return claims.bytes + (g->visibility ? bis_guess_bytes(g->clusters->n_parts) : 0);
 }
 
 void bis_product_guide_look(bis_product_guide *g, size_t cell)
 {
     if (!g->visibility) return;
-    bis_guess_look(&g->guess, g->clusters->n, g->visibility, cell);
-    if (!g->clusters->as_map || g->guess.is_dark) return;
+    bis_guess_look(&g->guess, g->clusters->n_parts, g->visibility, cell);
+    if (!brdf_draws_all(g)) return;
     bis_product_weigh_all(&g->product, g->clusters);
     bis_product_guess(&g->product, g->clusters, &g->guess);
 }

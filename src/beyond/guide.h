@@ -6,6 +6,7 @@
 #include "bis/beyond/clusters.h"
 #include "bis/beyond/pool.h"
 #include "bis/beyond/visibility.h"
+#include "portal.h"
 #include "product.h"
 #include "thesis/set.h"
 
@@ -30,6 +31,7 @@ typedef struct bis_product_guide {
     const bis_clusters *clusters;  /* borrowed, shared by all threads */
     bis_visibility *visibility;    /* borrowed, shared by all threads; NULL: nothing is learned */
     bis_visibility_guess guess;        /* what the cell at hand has learned */
+    bis_portals portals;           /* as the point at hand sees them */
 } bis_product_guide;
 
 /* bis_product_guide_init makes a thread's guide. visibility may be NULL. Errors: BIS_NOMEM. */

@@ -18,11 +18,11 @@
 
 #include <assert.h>
 
-enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2, OF_LAMP = 4 };
+enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2, MOST_PARTS = 2 * MOST_CLUSTERS, OF_LAMP = 4 };
 
 void bis_product_claim(bis_product *p, bis_claims *claims)
 {
-    bis_choice_claim(&p->clusters, bis_lanes_round_up(MOST_CLUSTERS), claims);
+    bis_choice_claim(&p->clusters, bis_lanes_round_up(MOST_PARTS), claims);
 }
 
 void bis_product_clear(bis_product *p) { bis_choice_clear(&p->clusters); }
@@ -42,7 +42,8 @@ void bis_product_weigh_all(bis_product *p, const bis_clusters *c)
 
 bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f)
 {
-    bis_guess_mix(f, p->clusters.w, p->W, c->n);
+    for (uint32_t k = bis_lanes_round_up(c->n); k < bis_lanes_round_up(c->n_parts); k++) p->clusters.w[k] = 0;
+    bis_guess_mix(f, p->clusters.w, p->W, c->n_parts);
     p->W = bis_choice_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }

@@ -24,6 +24,7 @@ typedef struct bis_cluster_point {
 
 typedef struct bis_clusters {
     uint32_t n;           /* the number of clusters; each has a positive share */
+    uint32_t n_parts;     /* to which candidates belong: the clusters; of a light with portals n more, the places there */
     uint32_t directions;  /* of each cluster: a power of two, at least BIS_CLUSTER_DIRECTIONS */
     double *t;            /* t[n + 1]: cluster k is the interval [t[k], t[k+1]) of the curve */
     uint16_t *of_tile;    /* of_tile[rows][columns]: the cluster of each tile of side x side pixels */
