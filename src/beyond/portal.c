@@ -11,6 +11,8 @@
 
 #include "thesis/curve_many.h"
 
+#include <string.h>
+
 static const double SMALL = 1e-8, GRAZING = 1e-4, BELOW_1 = 1 - 0x1p-53;
 
 
@@ -56,8 +58,8 @@ vec3 bis_portal_sample(const bis_portal_view *v, double u1, double u2)
         const double f = (-cos(turn) * cy[0] - cy[1]) / sin(turn), c = fmin(1 / sqrt(f * f + cy[0] * cy[0]), BELOW_1);
         x = copysign(c * z / sqrt(1 - c * c), f);
         x = fmin(fmax(x, v->low[0]), v->high[0]); /* it may be beyond by some ulps */
-        const double d2 = x * x + z * z, h0 = y[0] / sqrt(d2 + y[0] * y[0]), h1 = v->high[1] / sqrt(d2 + v->high[1] * v->high[1]);
-        const double h = h0 + u2 * (h1 - h0);
+        const double d2 = x * x + z * z, y1 = v->high[1];
+        const double h0 = y[0] / sqrt(d2 + y[0] * y[0]), h = h0 + u2 * (y1 / sqrt(d2 + y1 * y1) - h0);
         up = h * sqrt(d2 / (1 - h * h)); /* |h| < 1, because z > 0 */
     }
     double w[3];
@@ -102,45 +104,47 @@ void bis_portals_draw(const bis_portals *p, const bis_lanes *x, float *u1, float
     }
 }
 
-/* Adds to q[n] share times the density of v where x, y, z pass it, and stores the number `first` of its first place, and
- * that of the place, where they do. all: they pass, and only rounding can tell otherwise. */
 BIS_LANES
-static void pass(float *restrict q, int32_t *restrict place, const bis_portal_view *v, double share, int32_t first,
-                 int32_t side, bool all, const bis_lanes *lanes, uint32_t n)
+void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn)
 {
-    const bis_lanes l = *lanes;
-    const double area = (v->high[0] - v->low[0]) * (v->high[1] - v->low[1]);
-    const float even = (float)(v->by_area ? 0 : share / v->solid_angle);
-    const float by_area = (float)(v->by_area ? share * v->z * v->z / area : 0), below_1 = 0x1.fffffep-1f;
-    float a[3][3], low[2];
+    const bis_lanes l = *x;
+    const int32_t side = (int32_t)bis_portals_side(p->n);
 
-    for (int k = 0; k < 3; k++) {
-        const double unit = k < 2 ? v->z / (v->high[k] - v->low[k]) : 1;
-        for (int i = 0; i < 3; i++) a[k][i] = (float)(v->axis[k][i] * unit);
-        if (k < 2) low[k] = (float)(v->low[k] / (v->high[k] - v->low[k]));
-    }
+    memset(q, 0, n * sizeof *q);
+    memset(place, 0xff, n * sizeof *place);
+    for (uint32_t j = p->n; j-- > 0;) {
+        const bis_portal_view *v = &p->view[j];
+        const double size[3] = {v->high[0] - v->low[0], v->high[1] - v->low[1], v->z};
+        const float even = (float)(v->by_area ? 0 : p->share[j] / v->solid_angle), below_1 = 0x1.fffffep-1f;
+        const float by_area = (float)(v->by_area ? p->share[j] * v->z * v->z / (size[0] * size[1]) : 0);
+        const float low[2] = {(float)(v->low[0] / size[0]), (float)(v->low[1] / size[1])};
+        const int all = j == drawn;
+        float a[3][3];
+        if (!(p->share[j] > 0)) continue;
+        for (int k = 0; k < 9; k++) a[k / 3][k % 3] = (float)(v->axis[k / 3][k % 3] * v->z / size[k / 3]);
 #pragma omp simd
-    for (uint32_t i = 0; i < n; i++) {
-        const float c = l.x[i] * a[2][0] + l.y[i] * a[2][1] + l.z[i] * a[2][2], r = 1 / bis_lanes_choose(c > 0, c, 1);
-        float s = (l.x[i] * a[0][0] + l.y[i] * a[0][1] + l.z[i] * a[0][2]) * r - low[0];
-        float t = (l.x[i] * a[1][0] + l.y[i] * a[1][1] + l.z[i] * a[1][2]) * r - low[1];
-        const int passes = all | ((c > 0) & (s >= 0) & (s < 1) & (t >= 0) & (t < 1));
-        s = bis_lanes_choose(s > 0, bis_lanes_choose(s < 1, s, below_1), 0);
-        t = bis_lanes_choose(t > 0, bis_lanes_choose(t < 1, t, below_1), 0);
-        q[i] += bis_lanes_choose(passes, even + by_area * r * r * r, 0);
-        place[i] = passes ? first + (int32_t)(t * (float)side) * side + (int32_t)(s * (float)side) : place[i];
+        for (uint32_t i = 0; i < n; i++) {
+            const float c = l.x[i] * a[2][0] + l.y[i] * a[2][1] + l.z[i] * a[2][2];
+            const float r = 1 / bis_lanes_choose(c > 0, c, 1);
+            float s = (l.x[i] * a[0][0] + l.y[i] * a[0][1] + l.z[i] * a[0][2]) * r - low[0];
+            float t = (l.x[i] * a[1][0] + l.y[i] * a[1][1] + l.z[i] * a[1][2]) * r - low[1];
+            const int passes = all | ((c > 0) & (s >= 0) & (s < 1) & (t >= 0) & (t < 1));
+            s = bis_lanes_choose(s > 0, bis_lanes_choose(s < 1, s, below_1), 0);
+            t = bis_lanes_choose(t > 0, bis_lanes_choose(t < 1, t, below_1), 0);
+            const int32_t at = ((int32_t)j * side + (int32_t)(t * (float)side)) * side + (int32_t)(s * (float)side);
+            q[i] += bis_lanes_choose(passes, even + by_area * r * r * r, 0);
+            place[i] = passes ? (uint32_t)at : place[i];
+        }
     }
 }
 
-void bis_portals_pass(const bis_portals *p, float *q, int32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn)
+bool bis_portals_are_missed(const bis_light *light, ray eye)
 {
-    const int32_t side = (int32_t)bis_portals_side(p->n);
+    const bis_lanes x = {.x = &eye.d.x, .y = &eye.d.y, .z = &eye.d.z};
+    bis_portals p;
+    float q;
+    uint32_t place = 0;
 
-    for (uint32_t i = 0; i < n; i++) {
-        q[i] = 0;
-        place[i] = -1;
-    }
-    for (uint32_t j = p->n; j-- > 0;)
-        if (p->share[j] > 0)
-            pass(q, place, &p->view[j], p->share[j], (int32_t)j * side * side, side, j == drawn, x, n);
+    if (bis_portals_look(&p, light, eye.o, 1 << 30)) bis_portals_pass(&p, &q, &place, &x, 1, BIS_PORTALS_MAX);
+    return p.n && place == UINT32_MAX;
 }

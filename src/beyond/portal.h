@@ -35,15 +35,19 @@ typedef struct bis_portals {
  * half, or none if no portal is seen. Each portal gets as many as its solid angle is worth. */
 uint32_t bis_portals_look(bis_portals *p, const bis_light *light, vec3 origin, uint32_t n);
 
-/* bis_portals_draw stores as many directions in x: each portal's evenly spread, in the order of a curve. u1, u2 are room
+/* bis_portals_draw stores as many directions in x: each portal's evenly spread, in the order of a curve. u1, u2: room
  * for as many numbers, in whole blocks. */
 void bis_portals_draw(const bis_portals *p, const bis_lanes *x, float *u1, float *u2, bis_rng *rng);
 
-/* bis_portals_pass stores in q[n] the sum of share times density over the portals that directions x pass, and in place[n]
- * the part of the first of these portals, below bis_portals_places; -1: none. Of portal `drawn` it is known that all
- * pass it; BIS_PORTALS_MAX: of none. */
-void bis_portals_pass(const bis_portals *p, float *q, int32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn);
+/* bis_portals_pass stores in q[n] the sum of share times density over the portals that directions x pass, and in
+ * place[n] the number of a square of the first of these portals, below bis_portals_places; UINT32_MAX: none. Of portal
+ * `drawn` it is known that all pass it; BIS_PORTALS_MAX: of none. */
+void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn);
 
-/* bis_portals_places returns the number of places of all portals together, at most 64: squares of each. */
+/* bis_portals_are_missed returns whether the light has portals and a ray that escapes passes none of them. */
+bool bis_portals_are_missed(const bis_light *light, ray eye);
+
+/* bis_portals_side returns the number of squares along an edge of each of n portals, bis_portals_places that of all
+ * squares, at most 64. */
 static inline uint32_t bis_portals_side(uint32_t n) { return n <= 4 ? 4 : 2; }
 static inline uint32_t bis_portals_places(uint32_t n) { return n * bis_portals_side(n) * bis_portals_side(n); }

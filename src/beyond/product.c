@@ -18,7 +18,7 @@
 
 #include <assert.h>
 
-enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2, MOST_PARTS = 2 * MOST_CLUSTERS, OF_LAMP = 4 };
+enum { MOST_PARTS = 2 * BIS_CLUSTERS_MOST, OF_LAMP = 4 };
 
 void bis_product_claim(bis_product *p, bis_claims *claims)
 {

@@ -101,26 +101,25 @@ static bool light_frame(const bis_parser *p, bis_xform *turn)
 }
 
 /* A rectangle in world space. Its corners may be off by 1e-4 of its size, as few digits leave them. */
-static void light_portal(bis_parser *p, bis_light_desc *light)
+static bool read_portal(bis_parser *p, bis_portal *portal)
 {
     const bis_param *param = bis_params_take(p, "portal", BIS_TYPE_POINT3, 12);
     const double *v = param ? p->params.numbers + param->first : NULL;
-    bis_portal *portal = &light->portals[0];
     double off = 0, *along = portal->edge[0], *up = portal->edge[1];
 
-    if (!v) return;
+    if (!v) return false;
     for (int i = 0; i < 3; i++) {
         portal->corner[i] = v[i];
         along[i] = v[3 + i] - v[i];
         up[i] = v[9 + i] - v[i];
         off = hypot(off, v[i] - v[3 + i] + v[6 + i] - v[9 + i]);
     }
-    const double size = sqrt(fmin(dot3(along, along), dot3(up, up))), slant = dot3(along, up) / dot3(along, along);
-    light->n_portals = size > 0 && off <= 1e-4 * size && fabs(slant) * sqrt(dot3(along, along)) <= 1e-4 * size;
-    for (int i = 0; i < 3 && light->n_portals; i++) up[i] -= slant * along[i];
-    if (!light->n_portals)
-        bis_parser_error(p, param->at, "\"portal\" is no rectangle: give four corners, one after the other around it, in "
-                         "world space (the current transformation does not act on them)");
+    const double a = dot3(along, along), b = dot3(up, up), slant = dot3(along, up), size = 1e-4 * sqrt(fmin(a, b));
+    if (!(size > 0 && off <= size && fabs(slant) <= size * sqrt(a)))
+        return bis_parser_error(p, param->at, "\"portal\" is no rectangle: give its four corners, going around it, in "
+                                "world space (the current transformation does not act on them)");
+    for (int i = 0; i < 3; i++) up[i] -= slant / a * along[i];
+    return true;
 }
 
 /* Whether a light is equal to the scene's but for its portal: then the scene's light gets this portal, too. */
@@ -157,10 +156,12 @@ static bool light_may_stand(bis_parser *p, bis_loc at)
 
 /* The frame of a map of the scene tells where its "up" is, for the map that takes its place, and whether the background
  * is transparent. */
-static void pass_over(bis_parser *p)
+static void pass_over(bis_parser *p, bis_loc at)
 {
     if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
     const bool is_map = bis_params_has(p, "filename") || bis_params_has(p, "mapname");
+    bis_portal portal;
+    if (read_portal(p, &portal)) add_portal(p, at, &portal);
     bis_params_bool(p, "visible", &p->desc->light.visible);
     if (is_map && !p->desc->has_light) p->desc->has_light = light_frame(p, &p->desc->light.to_world);
 }
@@ -209,11 +210,12 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     };
 
     if (p->other_light) {
-        pass_over(p);
+        pass_over(p, at);
         return;
     }
     const bis_choice *chosen = bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights));
     if (chosen && strcmp(chosen->name, "distant") == 0) read_distant(p, at);
+    bis_portal portal;
     const bool is_further = p->desc->light.n_portals && chosen && bis_params_has(p, "portal");
     if (!chosen || chosen->value == BIS_FOREIGN || (!is_further && !light_may_stand(p, at))) return;
     bis_light_desc light = bis_light_desc_default();
@@ -230,17 +232,18 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light.illuminance = light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
     light_filter(p, &light);
-    light_portal(p, &light);
+    const bool has_portal = read_portal(p, &portal);
     bis_params_ignore(p, "LightSource");
     bis_params_end(p, "LightSource", "infinite");
     if (is_further) {
-        if (is_equal(&p->desc->light, &light)) add_portal(p, at, &light.portals[0]);
-        else light_may_stand(p, at);
+        const bool may_stand = is_equal(&p->desc->light, &light) || light_may_stand(p, at);
         bis_free(light.filename);
-        return;
+        if (!may_stand) return;
+    } else {
+        p->desc->light = light;
+        p->desc->has_light = true;
     }
-    p->desc->light = light;
-    p->desc->has_light = true;
+    if (has_portal) add_portal(p, at, &portal);
 }
 
 /* ---- the whole ---- */

@@ -29,6 +29,7 @@ void bis_counters_add(bis_counters *sum, const bis_counters *c)
     sum->accepted += c->accepted;
     sum->fallbacks += c->fallbacks;
     sum->nonfinite += c->nonfinite;
+    sum->beside_portals += c->beside_portals;
 }
 
 bis_rect bis_workspace_tile(const bis_workspace *w, int t)

@@ -24,7 +24,7 @@ typedef struct bis_cluster_point {
 
 typedef struct bis_clusters {
     uint32_t n;           /* the number of clusters; each has a positive share */
-    uint32_t n_parts;     /* to which candidates belong: the clusters; of a light with portals n more, the places there */
+    uint32_t n_parts;     /* to which candidates belong: the clusters, and n more for the squares of portals */
     uint32_t directions;  /* of each cluster: a power of two, at least BIS_CLUSTER_DIRECTIONS */
     double *t;            /* t[n + 1]: cluster k is the interval [t[k], t[k+1]) of the curve */
     uint16_t *of_tile;    /* of_tile[rows][columns]: the cluster of each tile of side x side pixels */
@@ -41,6 +41,7 @@ typedef struct bis_clusters {
 enum {
     BIS_CLUSTER_DIRECTIONS = 64,
     BIS_CLUSTERS = 256,    /* the largest K of bis_clusters_init */
+    BIS_CLUSTERS_MOST = 2 * BIS_CLUSTERS + 2,
     BIS_CLUSTERS_FEW = 64  /* the smallest K: only a map of few lit pixels has fewer clusters */
 };
 

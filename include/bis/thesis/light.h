@@ -54,7 +54,7 @@ bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_wo
  * BIS_NOMEM. */
 bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag);
 
-/* bis_light_set_portals copies n portals into the light, n <= BIS_PORTALS_MAX; bis_light_portals returns them, and *n. */
+/* bis_light_set_portals copies n <= BIS_PORTALS_MAX portals into the light; bis_light_portals returns them, and *n. */
 void bis_light_set_portals(bis_light *light, const bis_portal *portals, uint32_t n);
 const bis_portal *bis_light_portals(const bis_light *light, uint32_t *n);
 
