@@ -4,7 +4,9 @@
 #include "bis/beyond/clusters.h"
 
 #include "bis/base/curve.h"
+#include "bis/base/image.h"
 #include "bis/base/mem.h"
+#include "bis/base/xform.h"
 #include "bis/thesis/rng.h"
 #include "bis/thesis/envmap.h"
 #include "bis/thesis/importance.h"
@@ -43,16 +45,37 @@ static bis_status cut(bis_clusters *c, const bis_importance *im, uint32_t K)
     return BIS_OK;
 }
 
+/* 2048 pixels, a tile each: 8 for each of 256 clusters. */
+static bis_status make_map(bis_light **out, const bis_light *constant, bis_diag *diag)
+{
+    const bis_importance_options curve = {.curve = true, .levels = 1};
+    const bis_xform unturned = bis_xform_identity();
+    bis_image image;
+    bis_envmap em;
+    bis_status status = bis_image_init(&image, 64, 32, diag);
+
+    if (status) return status;
+    for (size_t i = 0; i < 64 * 32; i++) image.pixels[i] = bis_light_Le(constant, (vec3){0, 0, 1});
+    status = bis_envmap_from_latlong(&em, &image, diag);
+    return status ? status : bis_light_new(out, &em, &unturned, &curve, diag);
+}
+
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag)
 {
-    const bis_importance *im = bis_light_importance(light);
     /* weighing them should not cost more than the candidates do */
     const uint32_t K = M < 32 ? BIS_CLUSTERS_FEW : M < BIS_CLUSTERS / 2 ? 2 * M : BIS_CLUSTERS;
     bis_status status;
+    uint32_t n_portals;
 
-    *c = (bis_clusters){.width = (uint32_t)bis_light_envmap(light)->width};
-    status = cut(c, im, K);
+    *c = (bis_clusters){.n = 0};
+    bis_light_portals(light, &n_portals);
+    status = bis_light_is_constant(light) ? make_map(&c->as_map, light, NULL) : BIS_OK;
     if (status) goto done;
+    if (c->as_map) light = c->as_map;
+    c->width = (uint32_t)bis_light_envmap(light)->width;
+    status = cut(c, bis_light_importance(light), K);
+    if (status) goto done;
+    c->n_parts = n_portals ? 2 * c->n : c->n;
     c->columns = (c->width + c->side - 1) / c->side; /* the last tile of a row may reach beyond the map */
     const uint32_t padded = bis_lanes_round_up(c->n);
     /* all points of a pass share the directions: where clusters are few, each has more */
@@ -78,6 +101,7 @@ void bis_clusters_clear(bis_clusters *c)
     bis_free(c->of_tile);
     bis_free(c->y);
     bis_free(c->memory);
+    bis_light_free(c->as_map);
     *c = (bis_clusters){0};
 }
 
@@ -86,7 +110,7 @@ size_t bis_clusters_bytes(const bis_clusters *c)
     if (!c->n) return 0;
     const size_t rows = ((size_t)c->width + 2 * c->side - 1) / (2 * c->side); /* maps are about twice as wide as high */
     return c->n * (c->directions * sizeof *c->y + sizeof *c->t + BIS_CONES_ARRAYS * sizeof(float)) +
-           rows * c->columns * sizeof *c->of_tile;
+           rows * c->columns * sizeof *c->of_tile + (c->as_map ? bis_light_bytes(c->as_map) : 0);
 }
 
 /* A direction of density below FLT_MIN is drawn once in 10^37; it counts as dark. */
@@ -133,6 +157,7 @@ static void put_cone(bis_clusters *c, uint32_t k)
  * then. */
 void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, uint32_t pass, int n_threads)
 {
+    if (c->as_map) light = c->as_map;
     const double unit = bis_light_mean(light);
     const bool ordered = bis_clusters_are_wide(c) && c->side == 1;
 

@@ -17,6 +17,8 @@
  * Akenine-Moller 2008 use visibility as a control variate in the same way.) */
 #include "guide.h"
 
+#include "thesis/light_many.h"
+
 #include "thesis/proposal.h"
 
 #include <math.h>
@@ -35,12 +37,18 @@ bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *
     const bis_beyond_needs needs = bis_beyond_needs_of(s), nothing = {.n_pool = 0};
     bis_light_point any;
 
-    if ((needs.n_pool == 0 && !needs.clusters) || bis_light_is_constant(light)) return nothing;
+    if ((needs.n_pool == 0 && !needs.clusters) || (bis_light_is_constant(light) && !needs.visibility)) return nothing;
     /* false: the light is black, or all of it is compensated away */
     return bis_light_sample_curve(light, 0, (double[2]){0, 0}, &any) ? needs : nothing;
 }
 
 /* ---- proposal "product" ---- */
+
+/* Of a constant light, unless most of it is hidden, or it has portals. */
+static bool brdf_draws_all(const bis_product_guide *g)
+{
+    return g->clusters->as_map && !g->guess.is_dark && g->clusters->n_parts == g->clusters->n;
+}
 
 /* The candidates of the product find a lobe by themselves, down to the size of a cluster. The BRDF's share is then as
  * if there were 64 times as many candidates, and the half that it gets at most (candidates.c) shrinks with them. (16
@@ -52,6 +60,9 @@ static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *p
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
+    /* Of a constant light the BRDF draws the product, up to V. Where most is hidden the clusters know V. (Error x time
+     * over that of the clusters' draw: in a room .7, a glossy statue .3.) */
+    if (brdf_draws_all(g)) return (bis_mixture){0, M, 0};
     /* no stream: with M > 1 nothing is drawn */
     if (bis_clusters_are_wide(g->clusters) && M > 1) return bis_candidates_divide(M, BIS_PROPOSAL_MIX, pt, NULL);
     const double share = pt->bsdf.p_specular / 2 / (1 + 64 * bis_candidates_in_lobe(M, pt));
@@ -59,19 +70,96 @@ static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *p
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};
 }
 
+/* ---- draw, density ---- */
+
+/* The clusters of candidates whose pixels are known, or of those of a constant light; and q, the product's density. */
+static void find_clusters(const bis_product_guide *g, const bis_lanes *x, uint32_t *pixel, uint16_t *part, uint32_t n)
+{
+    const bis_clusters *c = g->clusters;
+    vec3 axis[3];
+
+    if (c->as_map) {
+        bis_light_axes(c->as_map, axis);
+        bis_envmap_pixels(bis_light_envmap(c->as_map), axis, pixel, x, n);
+        for (uint32_t i = 0; i < n; i++) x->q[i] = (float)(1 / (4 * PI));
+    }
+    for (uint32_t i = 0; i < n; i++) {
+        part[i] = (uint16_t)bis_cluster_of_pixel(c, pixel[i]);
+        x->q[i] *= (float)bis_product_scale(&g->product, c, part[i]);
+    }
+}
+
+/* The part of what passes a portal in square `place`: n + n place/all, rounded up, so that bis_visibility_part tells
+ * squares from each other and from clusters; else the cluster. */
+static uint16_t part_of(const bis_product_guide *g, uint32_t place, uint16_t cluster)
+{
+    const uint32_t n = g->clusters->n, all = bis_portals_places(g->portals.n);
+
+    return place == UINT32_MAX ? cluster : (uint16_t)(n + (place * n + all - 1) / all);
+}
+
+/* q of n candidates becomes the density of product and portals together. drawn: as in bis_portals_pass. */
+static void mix_portals(const bis_product_guide *g, bis_set *set, const bis_lanes *x, uint16_t *part, uint32_t n,
+                        uint32_t drawn)
+{
+    float *q = set->u1; /* it has served, and so have the pixels */
+
+    bis_portals_pass(&g->portals, q, set->pixel, x, n, drawn);
+    for (uint32_t i = 0; i < n; i++) {
+        x->q[i] = (float)g->portals.of_product * x->q[i] + q[i];
+        part[i] = part_of(g, set->pixel[i], part[i]);
+    }
+}
+
+/* What lies behind a portal is seen as the portal is: so the product draws from its clusters. */
+static void favour_portals(bis_product_guide *g)
+{
+    const bis_lanes axes = {.x = g->clusters->cone.x, .y = g->clusters->cone.y, .z = g->clusters->cone.z};
+    float q[BIS_CLUSTERS_MOST], *w = g->product.clusters.w;
+    uint32_t place[BIS_CLUSTERS_MOST];
+
+    bis_portals_pass(&g->portals, q, place, &axes, g->clusters->n, BIS_PORTALS_MAX);
+    for (uint32_t k = 0; k < g->clusters->n; k++)
+        w[k] *= g->guess.h[part_of(g, place[k], (uint16_t)k)] / g->guess.h[k];
+    g->product.W = bis_choice_sum(&g->product.clusters, g->product.clusters.n);
+}
+
+/* Draws n candidates through portals, behind those of the product. */
+static void draw_through(const bis_product_guide *g, bis_set *set, uint32_t n, const bis_point *pt, bis_stream *stream)
+{
+    const uint32_t first = set->map.n, all = first + n;
+    const bis_lanes x = bis_lanes_from(&set->own, first);
+
+    bis_portals_draw(&g->portals, &x, set->u1, set->u2, &stream->rng);
+    bis_light_look(pt->light, &x, set->pixel, n);
+    find_clusters(g, &x, set->pixel, set->part + first, n);
+    mix_portals(g, set, &set->own, set->part, first, BIS_PORTALS_MAX);
+    for (uint32_t j = 0, i = first; j < g->portals.n; i = first + g->portals.end[j++]) {
+        const bis_lanes of_portal = bis_lanes_from(&set->own, i);
+        mix_portals(g, set, &of_portal, set->part + i, first + g->portals.end[j] - i, j);
+    }
+    for (uint32_t i = first; i < all; i++) set->stands_for[i] = 1;
+    for (uint32_t i = all; i < bis_lanes_round_up(all); i++) bis_lanes_put(&set->own, i, NULL, 1);
+    set->map.n = all;
+}
+
 static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt, bis_stream *stream)
 {
     bis_product_guide *g = (bis_product_guide *)guide;
     double marks[1][2], phase[1][2]; /* over the camera samples of a pixel evenly spread */
 
+    if (n == 0) return true; /* all from the BRDF: bis_product_guide_look has made h */
     if (!bis_product_weigh(&g->product, g->clusters, &pt->bsdf)) return false;
     if (g->visibility && !bis_product_guess(&g->product, g->clusters, &g->guess)) return false;
+    const uint32_t n_through = bis_portals_look(&g->portals, pt->light, pt->origin, n);
+    if (n_through && g->visibility) favour_portals(g);
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);
     const uint32_t drawn = bis_product_draw(&g->product, g->clusters, &set->own, set->part,
-                                            guide->weigh ? set->stands_for : NULL, n, marks[0][0], phase[0][0],
-                                            stream->pixel);
+                                            guide->weigh ? set->stands_for : NULL, n - n_through, marks[0][0],
+                                            phase[0][0], stream->pixel);
     set->map = (bis_half){set->own, drawn, 0};
+    if (n_through) draw_through(g, set, n_through, pt, stream);
     set->mark = marks[0][1];
     return true;
 }
@@ -79,12 +167,10 @@ static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt
 static void density(bis_guide *guide, bis_set *set)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
+    uint16_t *part = set->part + set->brdf.first;
 
-    for (uint32_t i = 0; i < set->brdf.n; i++) {
-        const uint32_t k = bis_cluster_of_pixel(g->clusters, set->pixel[i]);
-        set->part[set->brdf.first + i] = (uint16_t)k;
-        set->brdf.x.q[i] *= (float)bis_product_scale(&g->product, g->clusters, k);
-    }
+    find_clusters(g, &set->brdf.x, set->pixel, part, set->brdf.n);
+    if (g->portals.of_product < 1) mix_portals(g, set, &set->brdf.x, part, set->brdf.n, BIS_PORTALS_MAX);
 }
 
 /* ---- learned visibility ---- */
@@ -113,7 +199,7 @@ static void chosen(bis_guide *guide, bis_set *set)
     for (uint32_t j = 0; j < set->choice.n_chosen; j++) {
         const uint32_t k = set->part[set->choice.item[j]];
         set->y.h[j] = g->guess.h[k];
-        set->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n) : NULL;
+        set->y.seen[j] = guide->learns ? bis_guess_count(&g->guess, k, g->clusters->n_parts) : NULL;
     }
 }
 
@@ -122,7 +208,7 @@ static bool has_control(const bis_guide *guide, const bis_set *set, const bis_po
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
-    return g->guess.knows && set->brdf.n == 0 && !rgb_is_black(pt->bsdf.material->Kd);
+    return g->guess.knows && !(set->map.n && set->brdf.n) && !rgb_is_black(pt->bsdf.material->Kd);
 }
 
 /* With A = sum w g/h, which is M times the light that is expected, N marks leave a relative squared error of
@@ -137,7 +223,7 @@ static uint32_t rays(const bis_guide *guide, const bis_set *set, const bis_point
     const double unit = 3.5;
     double A = 0, B = 0;
 
-    if (!g->guess.knows || set->brdf.n > 0) return N; /* nor under a mirror's lobe: see has_control */
+    if (!g->guess.knows || (set->map.n && set->brdf.n)) return N; /* nor under a mirror's lobe: see has_control */
     for (uint32_t i = 0; i < set->choice.n; i++) {
         const double w = (double)set->choice.w[i];
         A += w * (double)g->guess.control[set->part[i]];
@@ -166,7 +252,7 @@ static rgbd control_of_chosen(const bis_product_guide *g, const bis_set *set, do
 static rgbd expected(const bis_guide *guide, const bis_set *set, double Z)
 {
     const bis_product_guide *g = (const bis_product_guide *)guide;
-    const rgbd all = bis_shares_sum(set, 0, bis_lanes_round_up(set->map.n), g->guess.control);
+    const rgbd all = bis_shares_sum(set, 0, set->choice.n, g->guess.control);
     const rgbd mean = rgbd_scale(all, set->unit_of_f * set->unit_of_Le / set->M);
     const rgbd chosen_only = control_of_chosen(g, set, Z);
     const rgb L = rgbd_round(rgbd_add(mean, rgbd_scale(chosen_only, -1)));
@@ -182,12 +268,12 @@ bis_status bis_product_guide_init(bis_product_guide *g, const bis_clusters *clus
     bis_claims claims = {0};
     bis_status status = BIS_OK;
 
-    *g = (bis_product_guide){.clusters = clusters, .visibility = visibility};
+    *g = (bis_product_guide){.clusters = clusters, .visibility = visibility, .portals.of_product = 1};
     g->steps = (bis_guide){.divide = divide, .draw = draw, .density = density, .learns = true};
     bis_product_claim(&g->product, &claims);
     if (claims.failed) status = bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a thread's clusters");
     if (!status && visibility) {
-        status = bis_guess_init(&g->guess, clusters->n, diag);
+        status = bis_guess_init(&g->guess, clusters->n_parts, diag);
         g->steps.weigh = weigh;
         g->steps.chosen = chosen;
         g->steps.rays = rays;
@@ -212,12 +298,16 @@ size_t bis_product_guide_bytes(const bis_product_guide *g)
 
     if (!g->clusters) return 0;
     bis_product_claim(&p, &claims);
-    return claims.bytes + (g->visibility ? bis_guess_bytes(g->clusters->n) : 0);
+    return claims.bytes + (g->visibility ? bis_guess_bytes(g->clusters->n_parts) : 0);
 }
 
 void bis_product_guide_look(bis_product_guide *g, size_t cell)
 {
-    if (g->visibility) bis_guess_look(&g->guess, g->clusters->n, g->visibility, cell);
+    if (!g->visibility) return;
+    bis_guess_look(&g->guess, g->clusters->n_parts, g->visibility, cell);
+    if (!brdf_draws_all(g)) return;
+    bis_product_weigh_all(&g->product, g->clusters);
+    bis_product_guess(&g->product, g->clusters, &g->guess);
 }
 
 /* ---- single points ---- */

@@ -6,6 +6,7 @@
 #include "bis/beyond/clusters.h"
 #include "bis/beyond/pool.h"
 #include "bis/beyond/visibility.h"
+#include "portal.h"
 #include "product.h"
 #include "thesis/set.h"
 
@@ -19,8 +20,8 @@ typedef struct bis_beyond_needs {
 /* bis_beyond_needs_of returns what a render with these settings can make use of. */
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s);
 
-/* bis_beyond_needs_under returns the same for a light that is known: nothing under a constant light, which has no
- * curve, and under one of which nothing can be drawn. The light must be built for these settings. */
+/* bis_beyond_needs_under returns the same for a light that is known: nothing under one of which nothing can be
+ * drawn, nor under a constant light if nothing is learned. The light must be built for these settings. */
 bis_beyond_needs bis_beyond_needs_under(const bis_settings *s, const bis_light *light);
 
 /* What one thread has. */
@@ -30,6 +31,7 @@ typedef struct bis_product_guide {
     const bis_clusters *clusters;  /* borrowed, shared by all threads */
     bis_visibility *visibility;    /* borrowed, shared by all threads; NULL: nothing is learned */
     bis_visibility_guess guess;        /* what the cell at hand has learned */
+    bis_portals portals;           /* as the point at hand sees them */
 } bis_product_guide;
 
 /* bis_product_guide_init makes a thread's guide. visibility may be NULL. Errors: BIS_NOMEM. */

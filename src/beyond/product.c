@@ -18,11 +18,11 @@
 
 #include <assert.h>
 
-enum { MOST_CLUSTERS = 2 * BIS_CLUSTERS + 2, OF_LAMP = 4 };
+enum { MOST_PARTS = 2 * BIS_CLUSTERS_MOST, OF_LAMP = 4 };
 
 void bis_product_claim(bis_product *p, bis_claims *claims)
 {
-    bis_choice_claim(&p->clusters, bis_lanes_round_up(MOST_CLUSTERS), claims);
+    bis_choice_claim(&p->clusters, bis_lanes_round_up(MOST_PARTS), claims);
 }
 
 void bis_product_clear(bis_product *p) { bis_choice_clear(&p->clusters); }
@@ -34,9 +34,16 @@ bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_bsdf *bs
     return p->W > 0;
 }
 
+void bis_product_weigh_all(bis_product *p, const bis_clusters *c)
+{
+    for (uint32_t k = 0; k < bis_lanes_round_up(c->n); k++) p->clusters.w[k] = k < c->n;
+    p->W = c->n;
+}
+
 bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f)
 {
-    bis_guess_mix(f, p->clusters.w, p->W, c->n);
+    for (uint32_t k = bis_lanes_round_up(c->n); k < bis_lanes_round_up(c->n_parts); k++) p->clusters.w[k] = 0;
+    bis_guess_mix(f, p->clusters.w, p->W, c->n_parts);
     p->W = bis_choice_sum(&p->clusters, bis_lanes_round_up(c->n));
     return p->W > 0;
 }

@@ -194,8 +194,11 @@ void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v
         f->left[k] = left[part];
         f->of_square[k] = around ? around->h[part] : 0;
     }
-    f->has_square = f->knows = around != NULL;
-    for (int i = 0; i < PARTS; i++) f->knows |= all.rays[i] > 0;
+    uint32_t rays = 0, seen = 0;
+    for (int i = 0; i < PARTS; i++) rays += all.rays[i], seen += all.seen[i];
+    f->has_square = around != NULL;
+    f->knows = f->has_square || rays > 0;
+    f->is_dark = 4 * seen < rays;
     f->counted = &v->counted[cell];
 }
 

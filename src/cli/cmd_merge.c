@@ -47,7 +47,7 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
         desc.view.edge_light = m->about.edge_light;
         bis_stats stats = bis_stats_of(&desc, m->about.figures, m->about.seconds, &m->film, &m->result);
         snprintf(stats.approximated, sizeof stats.approximated, "%s", m->about.approximated);
-        bis_render_files_warn_of_nonfinite(&m->result.counters, diag);
+        bis_render_files_warn_of_counts(&m->result.counters, diag);
         const double before = bis_clock_now();
         status = bis_render_files_write_pictures(&written, &o->files, &stats, diag);
         stats.seconds.write = bis_clock_now() - before;

@@ -137,7 +137,7 @@ static bis_status render(bis_render_result *result, bis_checkpoint *checkpoint, 
             bis_warn(diag, bis_cli_loc, "--error %g was not reached: the error is at most %s after %u passes",
                      o->error, bis_percent_above(text, result->error.upper), result->passes);
     }
-    if (!status) bis_render_files_warn_of_nonfinite(&result->counters, diag);
+    if (!status) bis_render_files_warn_of_counts(&result->counters, diag);
     if (!status && result->passes && leads && desc->has_light && !o->part.share.n)
         bis_render_files_warn_of_black(film, o->scene, &desc->view.camera, diag);
     return status;

@@ -210,8 +210,12 @@ bis_status bis_render_files_write_stats(const bis_render_files *files, const bis
     return bis_outfile_commit(file, diag);
 }
 
-void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *diag)
+void bis_render_files_warn_of_counts(const bis_counters *counters, bis_diag *diag)
 {
+    if (counters->beside_portals)
+        bis_warn(diag, bis_cli_loc, "%llu camera rays see the light beside its portals: give other openings a \"portal\","
+                 " too, because light that comes through them is found later",
+                 (unsigned long long)counters->beside_portals);
     if (!counters->nonfinite) return;
     bis_warn(diag, bis_cli_loc,
              "%llu estimates were not finite and count as black: the picture is too dark. A light near the largest "

@@ -40,8 +40,8 @@ const char *bis_render_files_why_unknown(const bis_film_error *error);
  * error. */
 void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);
 
-/* bis_render_files_warn_of_nonfinite warns if there were estimates that are not finite. */
-void bis_render_files_warn_of_nonfinite(const bis_counters *counters, bis_diag *diag);
+/* bis_render_files_warn_of_counts warns if there were estimates that are not finite, or light beside all portals. */
+void bis_render_files_warn_of_counts(const bis_counters *counters, bis_diag *diag);
 
 /* bis_render_files_warn_of_black warns if every pixel is black, and says what can be done: where the camera sees no
  * shape, it names a LookAt that sees all of them, in the direction of the scene's camera. For after a pass. */

@@ -5,6 +5,7 @@
  * uniform scale changes no direction. Exporters write matrices with few digits, so an error up to
  * BIS_XFORM_FRAME_TOLERANCE is allowed, and the matrix is made exactly orthonormal. */
 #include "base/grow.h"
+#include "bis/base/mem.h"
 #include "approximate.h"
 #include "directives.h"
 #include "parser_ask.h"
@@ -99,6 +100,47 @@ static bool light_frame(const bis_parser *p, bis_xform *turn)
     return true;
 }
 
+/* A rectangle in world space. Its corners may be off by 1e-4 of its size, as few digits leave them. */
+static bool read_portal(bis_parser *p, bis_portal *portal)
+{
+    const bis_param *param = bis_params_take(p, "portal", BIS_TYPE_POINT3, 12);
+    const double *v = param ? p->params.numbers + param->first : NULL;
+    double off = 0, *along = portal->edge[0], *up = portal->edge[1];
+
+    if (!v) return false;
+    for (int i = 0; i < 3; i++) {
+        portal->corner[i] = v[i];
+        along[i] = v[3 + i] - v[i];
+        up[i] = v[9 + i] - v[i];
+        off = hypot(off, v[i] - v[3 + i] + v[6 + i] - v[9 + i]);
+    }
+    const double a = dot3(along, along), b = dot3(up, up), slant = dot3(along, up), size = 1e-4 * sqrt(fmin(a, b));
+    if (!(size > 0 && off <= size && fabs(slant) <= size * sqrt(a)))
+        return bis_parser_error(p, param->at, "\"portal\" is no rectangle: give its four corners, going around it, in "
+                                "world space (the current transformation does not act on them)");
+    for (int i = 0; i < 3; i++) up[i] -= slant / a * along[i];
+    return true;
+}
+
+/* Whether a light is equal to the scene's but for its portal: then the scene's light gets this portal, too. */
+static bool is_equal(const bis_light_desc *a, const bis_light_desc *b)
+{
+    return strcmp(a->filename ? a->filename : "", b->filename ? b->filename : "") == 0 && a->L.r == b->L.r &&
+           a->L.g == b->L.g && a->L.b == b->L.b && a->scale == b->scale && a->illuminance == b->illuminance &&
+           a->mapping == b->mapping && a->width == b->width && a->area_exponent == b->area_exponent &&
+           a->levels == b->levels && a->has_table_kind == b->has_table_kind && a->table_kind == b->table_kind &&
+           a->visible == b->visible && a->is_smooth == b->is_smooth &&
+           memcmp(a->to_world.m, b->to_world.m, sizeof a->to_world.m) == 0;
+}
+
+static void add_portal(bis_parser *p, bis_loc at, const bis_portal *portal)
+{
+    bis_light_desc *light = &p->desc->light;
+
+    if (light->n_portals < BIS_PORTALS_MAX) light->portals[light->n_portals++] = *portal;
+    else bis_parser_error(p, at, "more than %d portals: take one around several openings", BIS_PORTALS_MAX);
+}
+
 static bool light_may_stand(bis_parser *p, bis_loc at)
 {
     const bis_scene_desc *d = p->desc;
@@ -114,10 +156,12 @@ static bool light_may_stand(bis_parser *p, bis_loc at)
 
 /* The frame of a map of the scene tells where its "up" is, for the map that takes its place, and whether the background
  * is transparent. */
-static void pass_over(bis_parser *p)
+static void pass_over(bis_parser *p, bis_loc at)
 {
     if (!bis_parser_name(p, "LightSource") || !bis_params_read(p)) return;
     const bool is_map = bis_params_has(p, "filename") || bis_params_has(p, "mapname");
+    bis_portal portal;
+    if (read_portal(p, &portal)) add_portal(p, at, &portal);
     bis_params_bool(p, "visible", &p->desc->light.visible);
     if (is_map && !p->desc->has_light) p->desc->has_light = light_frame(p, &p->desc->light.to_world);
 }
@@ -166,12 +210,14 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     };
 
     if (p->other_light) {
-        pass_over(p);
+        pass_over(p, at);
         return;
     }
     const bis_choice *chosen = bis_parser_begin(p, "LightSource", lights, BIS_COUNT(lights));
     if (chosen && strcmp(chosen->name, "distant") == 0) read_distant(p, at);
-    if (!chosen || chosen->value == BIS_FOREIGN || !light_may_stand(p, at)) return;
+    bis_portal portal;
+    const bool is_further = p->desc->light.n_portals && chosen && bis_params_has(p, "portal");
+    if (!chosen || chosen->value == BIS_FOREIGN || (!is_further && !light_may_stand(p, at))) return;
     bis_light_desc light = bis_light_desc_default();
     light.loc = at;
     light_filename(p, &light);
@@ -186,10 +232,18 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light.illuminance = light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
     light_filter(p, &light);
+    const bool has_portal = read_portal(p, &portal);
     bis_params_ignore(p, "LightSource");
     bis_params_end(p, "LightSource", "infinite");
-    p->desc->light = light;
-    p->desc->has_light = true;
+    if (is_further) {
+        const bool may_stand = is_equal(&p->desc->light, &light) || light_may_stand(p, at);
+        bis_free(light.filename);
+        if (!may_stand) return;
+    } else {
+        p->desc->light = light;
+        p->desc->has_light = true;
+    }
+    if (has_portal) add_portal(p, at, &portal);
 }
 
 /* ---- the whole ---- */

@@ -31,7 +31,7 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
 /* ---- the fields that count ---- */
 
 #define FIELD(type, member, of) \
-    {#member, offsetof(type, member), sizeof ((type *)NULL)->member / sizeof(of), sizeof(of)}
+    {#member, offsetof(type, member), sizeof ((type *)NULL)->member / (sizeof(of)), sizeof(of)}
 #define FIELDS(name) static const bis_identity_field name[]
 #define END {NULL, 0, 0, 0}
 
@@ -73,7 +73,8 @@ FIELDS(light) = {
     FIELD(bis_light_desc, area_exponent, double), FIELD(bis_light_desc, levels, int),
     FIELD(bis_light_desc, has_table_kind, bool), FIELD(bis_light_desc, table_kind, bis_table_kind),
     FIELD(bis_light_desc, visible, bool), FIELD(bis_light_desc, is_smooth, bool),
-    FIELD(bis_light_desc, to_world, double), END};
+    FIELD(bis_light_desc, to_world, double), FIELD(bis_light_desc, portals, double),
+    FIELD(bis_light_desc, n_portals, uint32_t), END};
 FIELDS(accel) = {
     FIELD(bis_accel_options, density, double), END};
 

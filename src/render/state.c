@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FORMAT = 13, MAGIC = 8 };
+enum { FORMAT = 14, MAGIC = 8 };
 
 static const struct {
     unsigned char magic[MAGIC];
@@ -120,6 +120,7 @@ static void walk_counters(bis_walk *w, bis_counters *c)
     bis_walk_u64(w, &c->accepted);
     bis_walk_u64(w, &c->fallbacks);
     bis_walk_u64(w, &c->nonfinite);
+    bis_walk_u64(w, &c->beside_portals);
 }
 
 void bis_state_walk_done(bis_walk *w, bis_done *d, bis_film *f)

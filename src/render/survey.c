@@ -161,7 +161,7 @@ static void look_at_squares(bis_workspace *w, const squares *s, double late, bis
         if (x0 >= a.x1 || y0 >= a.y1 || x0 + s->side <= a.x0 || y0 + s->side <= a.y0) continue;
         if (bis_workspace_interrupted(w) || bis_clock_now() >= late) continue;
         look(w, &w->workers[bis_workspace_thread()], (int)(v->n_tiles + k), x0, y0, s->side);
-        bis_visibility_close(v, k, w->clusters.n);
+        bis_visibility_close(v, k, w->clusters.n_parts);
         if (bis_workspace_thread() == 0) progress(0, user);
     }
 }

@@ -111,6 +111,7 @@ static void add_light(bis_wave *w, sample *s)
     w->counters->camera_rays++;
     if (w->prim[i] == BIS_NO_PRIM) {
         L = bis_light_seen(&w->task.desc->light, w->task.scene->light, w->eyes[i].d);
+        w->counters->beside_portals += !rgb_is_black(L) && bis_portals_are_missed(w->task.scene->light, w->eyes[i]);
     } else if (!bis_bsdf_is_black(&s->pt.bsdf)) {
         bis_stream stream = s->stream;
         L = s->settings->integrator->Lo(s->settings, &s->pt, &stream, w->scratch);

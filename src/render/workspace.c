@@ -29,6 +29,7 @@ void bis_counters_add(bis_counters *sum, const bis_counters *c)
     sum->accepted += c->accepted;
     sum->fallbacks += c->fallbacks;
     sum->nonfinite += c->nonfinite;
+    sum->beside_portals += c->beside_portals;
 }
 
 bis_rect bis_workspace_tile(const bis_workspace *w, int t)
@@ -72,6 +73,8 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     bis_status status = BIS_OK;
 
     if (!w->scene->accel) return BIS_OK;
+    /* of one surface a constant light is exact by the BRDF alone, if it hides nothing of itself, as most do not */
+    if (bis_light_is_constant(light) && bis_geometry_primitives(&w->scene->geometry) == 1) return BIS_OK;
     const bis_beyond_needs needs = bis_beyond_needs_under(&w->view->settings, light);
     if (needs.n_pool == 0 && !needs.clusters) return BIS_OK;
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, diag);

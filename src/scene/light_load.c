@@ -270,6 +270,7 @@ bis_status bis_light_load(bis_light **out, const bis_light_desc *desc, unsigned 
         status = bis_light_desc_has_map(desc) ? bis_light_from_image(out, &image, &d, needs, diag)
                                               : new_constant(out, desc, diag);
     }
+    if (!status) bis_light_set_portals(*out, desc->portals, desc->n_portals);
     if (seconds) {
         seconds[0] = read - start;
         seconds[1] = bis_clock_now() - read;

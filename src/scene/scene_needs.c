@@ -59,7 +59,7 @@ bis_status bis_scene_needs_of(bis_scene_needs *needs, const bis_scene_desc *desc
 
 bool bis_scene_learns(const bis_scene_desc *desc)
 {
-    return desc->n_shapes && bis_light_desc_has_map(&desc->light) &&
+    return desc->n_shapes && desc->has_light &&
            bis_beyond_needs_of(&desc->view.settings).visibility;
 }
 

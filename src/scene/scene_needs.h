@@ -21,8 +21,8 @@ typedef struct bis_scene_needs {
 /* bis_scene_needs_of finds what *desc requires. *needs is to be cleared, after a failure, too. Errors: BIS_NOMEM. */
 bis_status bis_scene_needs_of(bis_scene_needs *needs, const bis_scene_desc *desc, bis_diag *diag);
 
-/* bis_scene_learns returns whether some surface learns from its neighbours in the picture, unless the map turns out to
- * be black or constant when it is read. */
+/* bis_scene_learns returns whether some surface learns from its neighbours in the picture, unless the light turns out
+ * to be black. */
 bool bis_scene_learns(const bis_scene_desc *desc);
 
 /* bis_scene_needs_clear frees it. */

@@ -93,7 +93,7 @@ bool bis_set_draw(bis_set *set, uint32_t M, bis_proposal proposal, bool stratify
     if (bis_bsdf_is_black(&pt->bsdf) || bis_light_is_black(pt->light)) return false;
     pt->counters->candidates += M; /* asked for: of a lamp a guide may draw fewer, each for several */
     const bis_mixture m = divide(set, M, proposal, pt, stream);
-    const bool guided = set->guide && set->guide->draw && m.n_em > 0;
+    const bool guided = set->guide && set->guide->draw;
 
     set->beta = m.beta;
     set->unit_of_Le = bis_light_mean(pt->light);

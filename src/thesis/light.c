@@ -33,6 +33,8 @@ struct bis_light {
     bis_importance *importance; /* NULL: nothing was needed */
     double rotation[3][3];      /* local to world, column by column: rotation[i] is the image of axis i */
     double power, max_intensity;
+    bis_portal portals[BIS_PORTALS_MAX];
+    uint32_t n_portals;
 };
 
 /* ---- the frame ---- */
@@ -89,6 +91,18 @@ bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag)
     if (!*out) return bis_error(diag, BIS_NOMEM, (bis_loc){0}, "no memory for a light");
     **out = (bis_light){.is_constant = true, .L = L, .power = 4 * PI * rgb_sum(L), .max_intensity = rgb_sum(L)};
     return BIS_OK;
+}
+
+void bis_light_set_portals(bis_light *light, const bis_portal *portals, uint32_t n)
+{
+    for (light->n_portals = 0; light->n_portals < n; light->n_portals++)
+        light->portals[light->n_portals] = portals[light->n_portals];
+}
+
+const bis_portal *bis_light_portals(const bis_light *light, uint32_t *n)
+{
+    *n = light->n_portals;
+    return light->portals;
 }
 
 void bis_light_free(bis_light *light)

@@ -39,11 +39,6 @@ static void weigh(float *restrict w, float *restrict F_r, float *restrict F_g, f
 }
 /* [end] */
 
-static bis_lanes from(const bis_lanes *x, uint32_t i)
-{
-    return (bis_lanes){x->x + i, x->y + i, x->z + i, x->r + i, x->g + i, x->b + i, x->q + i};
-}
-
 /* f of a chunk at a time is kept, on the stack, because nobody asks for it again once F is known. The size is free:
  * `./bis scene.txt --integrator sir --candidates 8000 --spp 1 --resolution 160x120 --nthreads 1` took 3.9 s of user
  * time with 256, 4.0 with 1024, 3.9 with 8192 (the least of seven, on a busy machine). */
@@ -55,7 +50,7 @@ static void weigh_half(bis_set *set, const bis_half *half, const bis_point *pt)
 
     for (uint32_t i = 0; i < half->n; i += CHUNK) {
         const uint32_t n = half->n - i < CHUNK ? half->n - i : CHUNK, at = half->first + i;
-        const bis_lanes y = from(&half->x, i);
+        const bis_lanes y = bis_lanes_from(&half->x, i);
         set->unit_of_f = bis_bsdf_f_many(&f, &pt->bsdf, &y, n);
         weigh(set->choice.w + at, set->F[0] + at, set->F[1] + at, set->F[2] + at, &y, &f, beta_map, beta_f,
               bis_lanes_round_up(n));
@@ -212,8 +207,9 @@ void bis_set_claim(bis_set *set, const bis_needs *need, bis_claims *claims)
 {
     const size_t M = bis_lanes_round_up(need->n_candidates), all = 2 * M; /* of a shared set all M, and of the BRDF M */
     const size_t most = need->n_traced < all ? need->n_traced : all, N = bis_lanes_round_up((uint32_t)most);
-    /* own and brdf.x; u1, u2, stands_for; F; and four arrays of y: one allocation, so that a set lies together */
-    const size_t n = 2 * BIS_LANES_ARRAYS * M + 3 * M + 3 * all + 4 * N;
+    /* own, to whose end a guide may add whole blocks, and brdf.x; u1, u2, stands_for; F; and four arrays of y: one
+     * allocation, so that a set lies together */
+    const size_t n = BIS_LANES_ARRAYS * (2 * M + BLOCK) + 3 * M + 3 * all + 4 * N;
 
     bis_choice_claim(&set->choice, (uint32_t)all, claims);
     set->pixel = bis_claim(claims, M, sizeof *set->pixel);
@@ -223,8 +219,8 @@ void bis_set_claim(bis_set *set, const bis_needs *need, bis_claims *claims)
     set->y.room = (uint32_t)N;
     float *p = set->floats = bis_claim(claims, n, sizeof *set->floats);
     if (!p) return;
-    set->own = bis_lanes_in(p, (uint32_t)M);
-    set->brdf.x = bis_lanes_in(p += BIS_LANES_ARRAYS * M, (uint32_t)M);
+    set->own = bis_lanes_in(p, (uint32_t)M + BLOCK);
+    set->brdf.x = bis_lanes_in(p += BIS_LANES_ARRAYS * (M + BLOCK), (uint32_t)M);
     set->u1 = p += BIS_LANES_ARRAYS * M;
     set->u2 = p += M;
     set->stands_for = p += M;

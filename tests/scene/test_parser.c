@@ -533,6 +533,21 @@ static void each_parameter_of_a_light_changes_itself_alone(void **state)
     }
 }
 
+/* A portal is in world space, and lights that differ in nothing else are one light. */
+static void equal_lights_are_one_with_several_portals(void **state)
+{
+#define PORTAL(corners) "LightSource \"infinite\" \"rgb L\" [3 2 1] \"point3 portal\" [" corners "] "
+    bis_scene_desc *d = good("WorldBegin Rotate 90 1 0 0 Scale 2 2 2 " PORTAL("1 2 3  1 4 3  1 4 3.5  1 2 3.5")
+                             PORTAL("0 0 0  0 0 2  1 0 2  1 0 0"));
+    const bis_portal *p = d->light.portals;
+
+    assert_int_equal(d->light.n_portals, 2);
+    assert_true(p[0].corner[0] == 1 && p[0].corner[1] == 2 && p[0].corner[2] == 3);
+    assert_true(p[0].edge[0][1] == 2 && p[0].edge[1][2] == 0.5 && p[1].edge[0][2] == 2 && p[1].edge[1][0] == 1);
+    assert_true(p[0].edge[0][0] == 0 && p[0].edge[1][1] == 0 && d->light.L.g == 2);
+    bis_scene_desc_free(d);
+}
+
 /* As squarely as possible; of two sides the one that is not given is 4. */
 static void spp_alone_is_divided_as_squarely_as_possible(void **state)
 {
@@ -1029,6 +1044,7 @@ int main(void)
         cmocka_unit_test(errata_are_switched_by_their_names),
         cmocka_unit_test(every_parameter_of_the_other_integrators_arrives),
         cmocka_unit_test(each_parameter_of_a_light_changes_itself_alone),
+        cmocka_unit_test(equal_lights_are_one_with_several_portals),
         cmocka_unit_test(spp_alone_is_divided_as_squarely_as_possible),
         cmocka_unit_test(a_directive_given_again_starts_from_the_defaults),
         cmocka_unit_test(what_a_scene_has_once_is_told_when_it_comes_again),

@@ -24,6 +24,7 @@ typedef struct bis_cluster_point {
 
 typedef struct bis_clusters {
     uint32_t n;           /* the number of clusters; each has a positive share */
+    uint32_t n_parts;     /* to which candidates belong: the clusters, and n more for the squares of portals */
     uint32_t directions;  /* of each cluster: a power of two, at least BIS_CLUSTER_DIRECTIONS */
     double *t;            /* t[n + 1]: cluster k is the interval [t[k], t[k+1]) of the curve */
     uint16_t *of_tile;    /* of_tile[rows][columns]: the cluster of each tile of side x side pixels */
@@ -32,6 +33,7 @@ typedef struct bis_clusters {
     bis_cluster_point *y;
     bis_cones cone;        /* the cones around these directions */
     float *memory;         /* what holds them */
+    bis_light *as_map;     /* what stands for a constant light here: the same as a small map; NULL: the light is one */
 } bis_clusters;
 
 /* 256 clusters of 64 directions have the error of 1024 of 32, and take 3 us less at each point (relmse of the dragon
@@ -39,6 +41,7 @@ typedef struct bis_clusters {
 enum {
     BIS_CLUSTER_DIRECTIONS = 64,
     BIS_CLUSTERS = 256,    /* the largest K of bis_clusters_init */
+    BIS_CLUSTERS_MOST = 2 * BIS_CLUSTERS + 2,
     BIS_CLUSTERS_FEW = 64  /* the smallest K: only a map of few lit pixels has fewer clusters */
 };
 
@@ -48,8 +51,8 @@ static inline bool bis_clusters_are_wide(const bis_clusters *c) { return c->n < 
 
 /* bis_clusters_init divides the map for M candidates per point. K is 2 M, but at least 64 and at most BIS_CLUSTERS.
  * No cluster holds more than 1/K of the importance, nor more than 1/K of the sphere's solid angle, except for the
- * tile that completes it. There are at most 2 K + 2 clusters. The light must be a map with a curve and must not be
- * black. Errors: BIS_NOMEM. */
+ * tile that completes it. There are at most 2 K + 2 clusters. The light must be a constant or a map with a curve, and
+ * must not be black. Errors: BIS_NOMEM. */
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag);
 
 /* bis_clusters_clear frees the clusters. *c is empty afterwards. */
@@ -65,6 +68,7 @@ void bis_clusters_fill(bis_clusters *c, const bis_light *light, uint64_t seed, u
 /* bis_cluster_of_pixel returns the cluster of a pixel (y * width + x) of the map. */
 static inline uint32_t bis_cluster_of_pixel(const bis_clusters *c, uint32_t pixel)
 {
+    if (c->side == 1) return c->of_tile[pixel];
     const uint32_t x = pixel % c->width, y = pixel / c->width;
     return c->of_tile[y / c->side * c->columns + x / c->side];
 }

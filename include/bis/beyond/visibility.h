@@ -63,6 +63,7 @@ typedef struct bis_visibility_guess {
     float *control;    /* g/h */
     float *noise;      /* left/h^2 */
     bool knows;        /* something was counted */
+    bool is_dark;      /* most of the tile's rays were hidden */
     float *memory;     /* what holds all arrays */
     bis_seen *counted; /* borrowed: of the cell; NULL: do not count */
 } bis_visibility_guess;

@@ -37,6 +37,8 @@ typedef struct bis_light_desc {
     bool is_smooth;      /* they see a map interpolated; what surfaces receive is made of its pixels all the same */
     bis_distant *distants; /* --approximate: discs in the map, which a constant light then becomes; owned */
     size_t n_distants, capacity_distants;
+    bis_portal portals[BIS_PORTALS_MAX];
+    uint32_t n_portals;
     bis_xform to_world;  /* a rotation or reflection */
     bis_loc loc;         /* the place of the directive */
 } bis_light_desc;

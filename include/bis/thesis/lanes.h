@@ -42,6 +42,12 @@ static inline bis_lanes bis_lanes_in(float *memory, uint32_t n)
                        memory + 4 * (size_t)n, memory + 5 * (size_t)n, memory + 6 * (size_t)n};
 }
 
+/* bis_lanes_from returns the lanes of x from number i on. */
+static inline bis_lanes bis_lanes_from(const bis_lanes *x, size_t i)
+{
+    return (bis_lanes){x->x + i, x->y + i, x->z + i, x->r + i, x->g + i, x->b + i, x->q + i};
+}
+
 /* bis_float_of_bits returns the float with these bits. */
 static inline BIS_INLINE float bis_float_of_bits(int32_t i)
 {

@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 /* What an integrator needs of the light. The scene builds only that. */
 enum {
@@ -34,6 +35,14 @@ typedef struct bis_light_point {
     double pdf;
 } bis_light_point;
 
+/* A rectangle in world space through which the light is expected, such as a window: a corner and two edges, which are
+ * at right angles. It changes no light: src/beyond/portal.h draws directions through it. */
+typedef struct bis_portal {
+    double corner[3], edge[2][3];
+} bis_portal;
+
+enum { BIS_PORTALS_MAX = 16 };
+
 /* bis_light_new makes a light of a map. It takes over em, which is empty afterwards, on failure too. to_world is the
  * map's frame in the world: a rotation or reflection, to BIS_XFORM_FRAME_TOLERANCE; the light makes it exactly
  * orthonormal. `importance` says what to build for drawing directions. If it is NULL, nothing is built, and the light
@@ -44,6 +53,10 @@ bis_status bis_light_new(bis_light **out, bis_envmap *em, const bis_xform *to_wo
 /* bis_light_constant makes a light with the same radiance L from all directions. L is finite and >= 0. Errors:
  * BIS_NOMEM. */
 bis_status bis_light_constant(bis_light **out, rgb L, bis_diag *diag);
+
+/* bis_light_set_portals copies n <= BIS_PORTALS_MAX portals into the light; bis_light_portals returns them, and *n. */
+void bis_light_set_portals(bis_light *light, const bis_portal *portals, uint32_t n);
+const bis_portal *bis_light_portals(const bis_light *light, uint32_t *n);
 
 /* bis_light_free frees the light; NULL is allowed. */
 void bis_light_free(bis_light *light);

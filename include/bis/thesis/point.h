@@ -13,6 +13,7 @@ typedef struct bis_counters {
     uint64_t camera_rays, shadow_rays, candidates, accepted, fallbacks;
     /* estimates that were NaN or infinite. This is a defect, and it is counted where the estimate reaches the film */
     uint64_t nonfinite;
+    uint64_t beside_portals; /* camera rays that see the light where none of its portals is */
 } bis_counters;
 
 typedef struct bis_ray_sink bis_ray_sink;
