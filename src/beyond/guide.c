@@ -316,7 +316,9 @@ bis_status bis_probe_init(bis_probe *p, const bis_settings *s, const bis_light *
 {
     *p = (bis_probe){.clusters = {.n = 0}};
     bis_status status = bis_scratch_init(&p->scratch, s, diag);
-    if (status || !bis_beyond_needs_under(s, light).clusters) return status;
+    bis_settings alone = *s; /* a point alone learns nothing: under a constant light the BRDF draws all */
+    alone.learn = false;
+    if (status || !bis_beyond_needs_under(&alone, light).clusters) return status;
     status = bis_clusters_init(&p->clusters, light, s->candidates, diag);
     if (!status) status = bis_product_guide_init(&p->guide, &p->clusters, NULL, diag);
     if (!status) bis_scratch_share(&p->scratch, NULL, &p->guide.steps);
