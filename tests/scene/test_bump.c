@@ -360,6 +360,30 @@ static void a_bent_normal_is_on_the_side_of_the_surface(void **state)
     }
 }
 
+/* Where the coordinates of a triangle are one point, its tangents are unit vectors that the normal completes. */
+static void without_coordinates_any_tangents_will_do(void **state)
+{
+    for (uint64_t i = 0; i < 50; i++) {
+        uint64_t random = i;
+        const vec3 n = random_direction(&random);
+        const frame f = frame_about(n);
+        const vec3 a = add(n, f.x), b = add(n, f.y), c = sub(n, add(f.x, f.y));
+        const ray eye = {{0, 0, 0}, n, INFINITY};
+        bis_tangents t = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN, NAN}, false};
+        built plane = build(SLOPE "Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" "
+                            "\"point2 uv\" [1 1 1 1 1 1] \"point3 P\" [%.9g %.9g %.9g  %.9g %.9g %.9g  %.9g %.9g %.9g]",
+                            (double)a.x, (double)a.y, (double)a.z, (double)b.x, (double)b.y, (double)b.z, (double)c.x,
+                            (double)c.y, (double)c.z);
+        bis_geometry_tangents(&plane.scene->geometry, 0, &eye, &t);
+        const double *const parts[] = {t.u, t.v, t.outside};
+        for (int k = 0; k < 9; k++) {
+            const double *x = parts[k / 3], *y = parts[k % 3];
+            assert_true(fabs(x[0] * y[0] + x[1] * y[1] + x[2] * y[2] - (k % 4 == 0)) < 1e-6);
+        }
+        scene_clear(&plane);
+    }
+}
+
 /* The tangents of quadrics are the differences of their coordinates: a point that moves by p_u du has u + du. */
 static void tangents_are_the_derivatives_of_the_point(void **state)
 {
@@ -432,6 +456,7 @@ int main(void)
         cmocka_unit_test(noise_in_space_does_not_ask_for_coordinates),
         cmocka_unit_test(a_normal_map_turns_with_the_surface),
         cmocka_unit_test(a_bent_normal_is_on_the_side_of_the_surface),
+        cmocka_unit_test(without_coordinates_any_tangents_will_do),
         cmocka_unit_test(tangents_are_the_derivatives_of_the_point),
         cmocka_unit_test(a_bump_of_one_value_costs_nothing_and_a_colour_is_no_bump),
     };
