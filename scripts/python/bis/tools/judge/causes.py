@@ -105,14 +105,14 @@ class Studio:
             out.append(p.layers[layer] if layer else p.rgb)
         copies = np.array(out, float)
         if self.like.is_separable and not layer and "width" not in how:
-            copies *= self._quotient(separable)[:self.n, :, :, None]
+            copies *= self._quotient(separable)[:self.n]
         if is_own:
             self._kept[key] = copies
         return copies
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
         """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
-        return Truth(copies, self.outlines | unknown, self.alpha == 0)
+        return Truth(copies, self.outlines, self.alpha == 0, unknown)
 
     def right(self) -> Truth:
         """The right picture."""
@@ -164,36 +164,47 @@ class Studio:
         return self.truth(c, rim)
 
     def _quotient(self, weight: Weight) -> Doubles:
-        """What the weight multiplies the picture with, (GROUPS, h, w)."""
+        """What the weight multiplies the picture with, (GROUPS, h, w, 3)."""
         if weight not in self._quotients:
-            q = np.ones((GROUPS,) + self.alpha.shape)
+            q = np.ones((GROUPS,) + self.alpha.shape + (3,))
             stage = self.scene.stage()
             for y, x in np.argwhere(self.alpha == 1).tolist():
                 if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
-                    q[:, y, x] = _quotient(stage, weight, y * 65537 + x)
+                    q[:, y, x] = _quotient(stage, self.map, weight, y * 65537 + x)
             self._quotients[weight] = q
         return self._quotients[weight]
 
     def weighed(self, weight: Weight) -> Truth:
-        """The picture with f cos times a weight of n.wi (m,) and of what is hit."""
+        """The picture with f cos times a weight of n.wi (m,) and of what is hit. A pixel's centre
+        does not tell what is at an outline."""
         copies = self.copies()
-        q = self._quotient(weight)[:len(copies), :, :, None]
-        return self.truth(copies * q, (self.alpha > 0) & (self.alpha < 1))
+        q = self._quotient(weight)[:len(copies)]
+        return self.truth(copies * q, self.outlines)
 
 
-def _quotient(stage: Any, weight: Weight, seed: int) -> Doubles:
-    """How the weight changes the radiance at a stage's point: pseudo-values of a jackknife."""
+def _quotient(stage: Any, light: Optional[Envmap], weight: Weight, seed: int) -> Doubles:
+    """How the weight changes the radiance (GROUPS, 3) at a stage's point: pseudo-values of a
+    jackknife. The light has the colours of its map, if that is known."""
     rays = stage.rays(runs=GROUPS, seed=seed, integrator="em", samples=RAYS // GROUPS)
     hit = stage.about()["hit"]
     look = stage.look(rays.wi)
     part = np.divide(look.product * rays.seen, look.q_map, out=np.zeros(len(rays.wi)),
                      where=look.q_map > 0)
-    other = part * weight(rays.wi.astype(float) @ np.array(hit["normal"]), hit)
-    sums = np.stack([np.bincount(rays.sample, b, GROUPS) for b in (part, other)])
+    colours = np.ones((len(part), 3))
+    if light is not None:
+        theta, phi = stage.angles(rays.wi).T  # in degrees
+        h, w = light.shape
+        row, column = (theta / 180 * h).astype(int), (phi / 360 * w).astype(int)
+        Le = light.pixels[np.minimum(row, h - 1), column % w].astype(float)
+        colours = Le / np.maximum(Le.sum(1, keepdims=True), 1e-300)
+    part = part[:, None] * colours
+    other = part * weight(rays.wi.astype(float) @ np.array(hit["normal"]), hit)[:, None]
+    sums = np.zeros((2, GROUPS, 3))
+    np.add.at(sums, (np.s_[:], rays.sample), np.stack([part, other]))
     total = sums.sum(1, keepdims=True)
     without = total - sums
     if not (without[0] > 0).all():
-        return np.ones(GROUPS)
+        return np.ones((GROUPS, 3))
     return GROUPS * total[1] / total[0] - (GROUPS - 1) * without[1] / without[0]
 
 

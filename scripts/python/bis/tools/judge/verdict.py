@@ -43,6 +43,7 @@ class Truth(NamedTuple):
     copies: Doubles  #: (n, h, w, 3), n >= 2
     outlines: Flags  #: (h, w)
     background: Flags  #: (h, w)
+    unknown: Any = False  #: pixels (h, w) of which nothing is said
 
     @property
     def mean(self) -> Doubles:
@@ -117,7 +118,7 @@ class _Tiles:
         columns = min(max(round(TILES / rows), 1), w)
         y, x = np.arange(h) * rows // h, np.arange(w) * columns // w
         place = 2 * (y[:, None] * columns + x) + truth.background
-        place = np.where(truth.outlines, -1, place)
+        place = np.where(truth.outlines | truth.unknown, -1, place)
         near = np.zeros((h, w), bool)
         for axis in (0, 1):
             a, n = np.moveaxis(place, axis, 0), np.moveaxis(near, axis, 0)
@@ -216,7 +217,7 @@ def _slopes(mean: Doubles) -> list[Doubles]:
 
 def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
     """z of the sums over outlines of d times what a shift or a blur would be; none without them."""
-    at = truth.outlines
+    at = truth.outlines & np.logical_not(truth.unknown)
     z = []
     for slope in _slopes(truth.mean):
         u = np.sum(d[:, at] * slope[at], axis=-1)  # (k, pixels)
