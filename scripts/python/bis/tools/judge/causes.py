@@ -25,8 +25,10 @@ from ..survey import srgb
 from .verdict import ROUNDING, Truth, Verdict, fit, judge, outlines_of
 
 LEVELS = ((4, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
+SURE = 0.01  #: the least p of a cause that is named
 REJECTED = 1e-5  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
+TURNS = 2048  #: of the map, any of which is found
 FINE = 8  #: subpixels along a pixel's side, for films and filters
 RAYS = 512  #: at a pixel, for a quotient
 GROUPS = 16  #: of them
@@ -236,6 +238,9 @@ def _bilinear(m: Floats) -> Floats:
 
 
 def _turned(m: Floats, share: float) -> Floats:
+    """Turned by a share of 360 degrees, to a half of 1/TURNS, by finer columns where m needs it."""
+    if share * m.shape[1] % 1:
+        m = m.repeat(max(TURNS // m.shape[1], 1), 1)
     return np.roll(m, round(share * m.shape[1]), 1)
 
 
@@ -456,11 +461,28 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
     return Found(name, judge(theirs, truth, rounding), truth)
 
 
-def search(studio: Studio, theirs: Doubles, noise: float,
-           rounding: float = ROUNDING) -> list[Found]:
-    """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
-    share of the mean). The one that fits best comes first."""
-    open_ = list(_all(studio))
+def _best_turn(studio: Studio, theirs: Doubles) -> tuple[str, Make]:
+    """The cause that the map, mirrored or not, is turned by some angle: the best of 32, and then
+    by halves of the step."""
+    def turn(share: float, mirror: int) -> Truth:
+        return studio.under(lambda m: _turned(m[:, ::mirror], share))
+
+    def far(share: float, mirror: int) -> float:
+        return float(np.mean(judge(theirs, turn(share, mirror)).z ** 2))
+    studio.at(LEVELS[0])
+    _, best, mirror = min((far(k / 32, m), k / 32, m) for k in range(32) for m in (1, -1))
+    studio.at(LEVELS[1])
+    least = far(best, mirror)
+    for step in 2.0 ** -np.arange(6, math.log2(TURNS) + 1):
+        least, best = min((least, best), *((far(s, mirror), s) for s in (best - step, best + step)))
+    name = "the map %sturned by %.4g degrees" % ("mirrored and " * (mirror < 0),
+                                                 360 * (best - round(best)))
+    return name, lambda: turn(best, mirror)
+
+
+def _refined(studio: Studio, open_: list[tuple[str, Make]], theirs: Doubles, noise: float,
+             rounding: float) -> list[Found]:
+    """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
     for level in LEVELS:
         studio.at(level)
@@ -474,4 +496,15 @@ def search(studio: Studio, theirs: Doubles, noise: float,
             else:
                 left.append((name, make))
         open_ = left
+    return found
+
+
+def search(studio: Studio, theirs: Doubles, noise: float,
+           rounding: float = ROUNDING) -> list[Found]:
+    """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
+    share of the mean). The one that fits best comes first. If none fits, a map that is turned by
+    any angle is tried."""
+    found = _refined(studio, list(_all(studio)), theirs, noise, rounding)
+    if studio.map is not None and all(f.verdict.p < SURE for f in found):
+        found += _refined(studio, [_best_turn(studio, theirs)], theirs, noise, rounding)
     return sorted(found, key=lambda f: -f.verdict.p)

@@ -16,10 +16,9 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, Found, Studio, search
+from .causes import ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE, Found, Studio, search
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
-SURE = 0.01  #: the least p of a cause that is named
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
