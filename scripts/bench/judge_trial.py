@@ -27,7 +27,7 @@ from bis.tools.judge import kit
 mi.set_variant('llvm_ad_rgb')
 dr.set_thread_count(2)
 WRONG_SEEDS, WRONG_SPP = 4, 256
-NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 48th picture has .003
+NOISES = (.03,) * 7 + (.01,) + (.03,) * 4  # of a pixel, in turn
 METHODS = (('sir', .003), ('mis', .03), ('em', .03), ('sir', .01))  # of bis, in turn
 MOST_SPP, CHUNK = 8192, 2048  # camera samples of a picture; of one call of Mitsuba
 MOST_BIS = 16
@@ -174,9 +174,9 @@ def samples_for(render, noise):
 def right_by_mitsuba(folder, name, n, first):
     """Pictures and rows of the CSV."""
     scene = Mitsuba(folder, name)
-    spp = {noise: samples_for(scene.render, noise) for noise in set(NOISES) | {.003}}
+    spp = {noise: samples_for(scene.render, noise) for noise in set(NOISES)}
     for i in range(n):
-        noise = .003 if i % 48 == 47 else NOISES[i % len(NOISES)]
+        noise = NOISES[i % len(NOISES)]
         yield scene.render(spp[noise], first + i), ('mitsuba', 'direct', first + i, spp[noise], noise)
 
 

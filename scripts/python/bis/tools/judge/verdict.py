@@ -196,14 +196,15 @@ def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -
 
 def _welch(d: Doubles, errors: list[tuple[Doubles, Any]], skewness: Any = 0.0) -> Doubles:
     """z of differences d with independent errors, a list of variances and degrees of freedom (Welch
-    and Satterthwaite), for a skewness of their sum (Hall 1992). No error at all tells nothing: z is
-    0."""
+    and Satterthwaite), for a skewness of their sum (Hall 1992; his series is for t up to the root
+    of their number). No error at all tells nothing: z is 0."""
     total = sum(v for v, _ in errors)
     known = total > 0
     safe = np.where(known, total, 1.0)
     dof = safe ** 2 / np.maximum(sum(v * v / k for v, k in errors), 1e-9 * safe ** 2)
     t = d / np.sqrt(safe)
-    t = t + skewness * (1 + 2 * t * t) / 6 + skewness ** 2 * t ** 3 / 27
+    u = np.clip(t, -np.sqrt(dof), np.sqrt(dof))
+    t = t + skewness * (1 + 2 * u * u) / 6 + skewness ** 2 * u ** 3 / 27
     return np.where(known, student_z(t, dof), 0.0)
 
 
