@@ -67,14 +67,13 @@ class Studio:
     """Pictures of one scene, by several seeds each."""
 
     def __init__(self, source: str, light: Optional[Envmap], map_: Optional[Envmap], step: int = 1,
-                 approximate: bool = False, like: Convention = Convention("")) -> None:
+                 like: Convention = Convention("")) -> None:
         self.source = source  #: of the scene, a file's name or a text
         self.light = light  #: in the place of its own
         self.map = map_  #: what may be changed; None: it has none, or it is not known
-        self.approximate = approximate
         self.step = step
         self.like = like
-        self.scene = self._open(source)
+        self.scene = Scene(source, light=light)
         self.at(LEVELS[0])
         self._quotients: dict[Any, Doubles] = {}
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
@@ -82,9 +81,6 @@ class Studio:
         self.outlines = outlines_of(p.layers["normal"].astype(float),
                                     p.layers["depth"].astype(float), self.alpha,
                                     p.rgb.astype(float))
-
-    def _open(self, source: str) -> Scene:
-        return Scene(source, light=self.light, approximate=self.approximate)
 
     def at(self, level: tuple[int, int]) -> None:
         """Make pictures of so many copies and camera samples from here on."""
@@ -141,7 +137,7 @@ class Studio:
         changed = change(self.text)
         if changed == self.text or (self.light is None and "filename" in self.text):
             return None
-        return self.truth(self.copies(scene=self._open(changed)))
+        return self.truth(self.copies(scene=Scene(changed, light=self.light)))
 
     def fine(self) -> Doubles:
         """Copies of FINE x FINE subpixels a pixel."""

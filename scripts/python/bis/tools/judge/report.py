@@ -137,17 +137,16 @@ def of_kit(name: str, pictures: list[str], say: Say) -> Case:
     """Judge pictures of a scene of the kit."""
     light = Envmap(kit.light(name))
     return _case(name, pictures, lambda step, like: Studio(kit.text(name), light, light, step,
-                                                           False, like), say)
+                                                           like), say)
 
 
-def of_scene(path: str, pictures: list[str], approximate: bool, say: Say) -> Case:
+def of_scene(path: str, pictures: list[str], say: Say) -> Case:
     """Judge pictures of a scene of the user's."""
-    light = Scene(path, approximate=approximate).about()["light"]
+    light = Scene(path).about()["light"]
     map_ = Envmap(light["file"]) if light["file"] else None
     if map_ is not None and map_.shape != (light["height"], light["width"]):
         map_ = None
-    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, approximate,
-                                                           like), say)
+    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, like), say)
 
 
 # ---- what is said ----
