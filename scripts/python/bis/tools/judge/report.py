@@ -16,7 +16,8 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE, Found, Studio, search
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE, Found, Studio,
+                     search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 SATURATED = 65504.0  #: the largest half
@@ -179,7 +180,7 @@ def words(case: Case) -> str:
              "theirs      %d picture%s: %s" % (k, "s" * (k > 1), ", ".join(case.pictures)),
              "verdict     %s%s" % (_said(case), "" if v.is_sure_of_noise else
                                    ", if its noise is as it looks (%d pictures tell)" % MANY),
-             "tests       %s" % ", ".join("%s %s" % (q.name, _p(q.p)) for q in v.parts),
+             "tests       %s" % ", ".join("%s %s" % (name, _p(p)) for name, p in v.parts.items()),
              "mean        theirs is %.5g +- %.1g times ours" % (v.ratio, v.ratio_se),
              "noise       of a tile: theirs %.2g %%, ours %.2g %%" % (100 * v.noise, 100 * v.own)]
     if not v.is_right:
@@ -201,7 +202,7 @@ def data(case: Case) -> dict[str, Any]:
     """What was found, for JSON."""
     v = case.verdict
     return {"scene": case.scene, "pictures": case.pictures, "right": v.is_right, "p": v.p,
-            "tests": {q.name: q.p for q in v.parts}, "ratio": v.ratio, "ratio_se": v.ratio_se,
+            "tests": v.parts, "ratio": v.ratio, "ratio_se": v.ratio_se,
             "noise": v.noise, "own": v.own, "noise_is_known": v.is_sure_of_noise,
             "convention": case.like or None, "refusal": case.refusal or None,
             "sure": case.is_sure,

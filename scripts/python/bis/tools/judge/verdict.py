@@ -51,19 +51,12 @@ class Truth(NamedTuple):
         return self.copies.mean(0)
 
 
-class Part(NamedTuple):
-    """One of the tests."""
-
-    name: str
-    p: float
-
-
 @dataclass
 class Verdict:
     """What the test tells."""
 
     p: float  #: of all tests together
-    parts: list[Part]
+    parts: dict[str, float]  #: p of each test
     ratio: float  #: of the means, theirs over ours, of what is in tiles
     ratio_se: float
     noise: float  #: of their tiles: root mean squared error as a share of the whole mean
@@ -143,13 +136,16 @@ class _Tiles:
         """Means over tiles (n, 3)."""
         return self.sums(values, self.of) / self.count
 
+    def variance(self, copies: Doubles) -> Doubles:
+        """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter."""
+        return np.stack([self.means(one) for one in copies]).var(0, ddof=1) / len(copies)
+
     def noise(self, d: Doubles) -> tuple[Doubles, Doubles]:
         """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) show it, and
         degrees of freedom (n, 1)."""
         k = len(d)
         if k >= MANY:
-            means = np.stack([self.means(one) for one in d])
-            return means.var(0, ddof=1) / k, np.full((self.n, 1), k - 1.0)
+            return self.variance(d), np.full((self.n, 1), k - 1.0)
         if k > 1:
             return self.means(d.var(0, ddof=1)) / self.count / k, self.count * (k - 1.0)
         total, fourth, pairs = (np.zeros((self.n, c)) for c in (3, 3, 1))
@@ -233,11 +229,6 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
     return np.array(z)
 
 
-def _own(tiles: _Tiles, truth: Truth) -> Doubles:
-    """The variance of ours in the tiles' means (n, 3)."""
-    return np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
-
-
 def _beyond(d: Doubles, free: Doubles, variance: Doubles) -> Doubles:
     """Differences beyond what costs nothing, where noise does not hide it."""
     return np.where(variance > free * free, d, np.copysign(np.maximum(np.abs(d) - free, 0), d))
@@ -255,7 +246,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     tiles = _Tiles(truth)
     ours = tiles.means(truth.mean)
     noise, dof = tiles.noise(d)
-    own = _own(tiles, truth)
+    own = tiles.variance(truth.copies)
     free = np.broadcast_to(rounding * np.abs(ours).max(1, keepdims=True, initial=0), ours.shape)
     of_floats = (free / 10) ** 2  # what is beyond it is a mistake even where nothing is noisy
     each = np.stack([tiles.means(one) for one in d])
@@ -264,12 +255,12 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
     z = _welch(_beyond(each.mean(0), free, noise + own), errors, skewness)
     tells = (z != 0) | (noise + own > free * free)  # a tile without noise is right by itself
-    parts = []
+    parts = {}
     if tells.any():
         squares = [chi_square_p(float(np.sum(z[t, c] ** 2)), int(t.sum()))
                    for c, t in enumerate(tells.T) if t.any()]
-        parts = [Part("all tiles", together(np.array(squares))),
-                 Part("worst tile", together(normal_p(z[tells])))]
+        parts = {"all tiles": together(np.array(squares)),
+                 "worst tile": together(normal_p(z[tells]))}
 
     share = tiles.count / max(tiles.count.sum(), 1)
     means = np.sum(share * each, 1)  # (k, 3)
@@ -280,15 +271,15 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     mean_z = _welch(_beyond(means.mean(0), np.sum(share * free, 0), variance),
                     [(variance, freedom)])
     if mean_z.any():
-        parts.append(Part("mean", together(normal_p(mean_z[mean_z != 0]))))
+        parts["mean"] = together(normal_p(mean_z[mean_z != 0]))
     edge = _outlines_z(d, truth)
     if len(edge):
-        parts.append(Part("outlines", together(normal_p(edge))))
+        parts["outlines"] = together(normal_p(edge))
 
     mean = float(np.sum(share * ours)) / 3
     ratio = 1 + float(means.mean()) / mean if mean > 0 else math.inf
     farthest = np.append(np.take_along_axis(z, np.abs(z).argmax(1)[:, None], 1)[:, 0], 0.0)
-    p = together(np.array([part.p for part in parts])) if parts else 1.0
+    p = together(np.array(list(parts.values()))) if parts else 1.0
     return Verdict(p, parts, ratio,
                    math.sqrt(float(variance.mean())) / mean if mean > 0 else math.inf,
                    _size(noise[tells], mean), _size(own[tells], mean), farthest[tiles.of],
@@ -300,7 +291,7 @@ def fit(theirs: Doubles, truth: Truth) -> tuple[float, float]:
     its standard error."""
     tiles = _Tiles(truth)
     noise, _ = tiles.noise(theirs - truth.mean)
-    own = _own(tiles, truth)
+    own = tiles.variance(truth.copies)
     ours, x = tiles.means(truth.mean), np.mean([tiles.means(one) for one in theirs], 0)
     f, power = 1.0, 0.0
     for _ in range(3):  # the error of ours grows with the factor
