@@ -2,7 +2,7 @@
 """judge_trial: right and wrong pictures of the kit's scenes, by Mitsuba 3 and by bis, for a trial of `bis judge`.
 
     python3 scripts/bench/judge_trial.py right OUT N [FIRST]  N right pictures of each scene by Mitsuba, N/4 by bis
-    python3 scripts/bench/judge_trial.py wrong OUT            4 pictures of each scene with each mistake that changes it
+    python3 scripts/bench/judge_trial.py wrong OUT            pictures of each scene with each mistake that changes it
 
 Writes OUT/right/NAME-PROGRAM.npy and OUT/wrong/NAME-MISTAKE.npy, float32 (n, 48, 64, 3), and OUT/right.csv and
 OUT/wrong.csv with a row for each picture. Files that exist are not made again. Pictures of other seeds than from 1 go
@@ -26,8 +26,8 @@ from bis.tools.judge import kit
 
 mi.set_variant('llvm_ad_rgb')
 dr.set_thread_count(2)
-WRONG_SEEDS, WRONG_SPP = 4, 256
-NOISES = (.03, .03, .03, .01, .03, .03, .01, .03, .03, .03)  # of a pixel, in turn; every 48th picture has .003
+WRONG_SEEDS, WRONG_SPP = {'mitsuba': 4, 'bis': 8}, 256  # pixels of bis share candidates, so it takes eight pictures
+NOISES = (.03,) * 7 + (.01,) + (.03,) * 4  # of a pixel, in turn
 METHODS = (('sir', .003), ('mis', .03), ('em', .03), ('sir', .01))  # of bis, in turn
 MOST_SPP, CHUNK = 8192, 2048  # camera samples of a picture; of one call of Mitsuba
 MOST_BIS = 16
@@ -174,9 +174,9 @@ def samples_for(render, noise):
 def right_by_mitsuba(folder, name, n, first):
     """Pictures and rows of the CSV."""
     scene = Mitsuba(folder, name)
-    spp = {noise: samples_for(scene.render, noise) for noise in set(NOISES) | {.003}}
+    spp = {noise: samples_for(scene.render, noise) for noise in set(NOISES)}
     for i in range(n):
-        noise = .003 if i % 48 == 47 else NOISES[i % len(NOISES)]
+        noise = NOISES[i % len(NOISES)]
         yield scene.render(spp[noise], first + i), ('mitsuba', 'direct', first + i, spp[noise], noise)
 
 
@@ -235,7 +235,7 @@ def main():
             continue
         program, spp = ('bis', 16) if kit.is_phong(name) else ('mitsuba', WRONG_SPP)
         for k, (mistake, render) in enumerate(wrong(folder, name)):
-            seeds = [100 * k + i + 1 for i in range(WRONG_SEEDS)]
+            seeds = [100 * k + i + 1 for i in range(WRONG_SEEDS[program])]
             keep(out, mode, f'{name}-{mistake}',
                  ((render(spp, seed), (program, mistake, seed, spp)) for seed in seeds))
 

@@ -29,8 +29,6 @@ COMMAND = command.Command(
                        "pictures with errors, and a page of numbers for other renderers"),
         command.Option("json", None, "print JSON instead of text", command.FLAG),
         command.Option("html", "FILE", "write a page: theirs, ours, z, the cause's picture"),
-        command.Option("approximate", None, "what of pbrt bis does not model is replaced by the "
-                       "nearest that it does, and listed", command.FLAG),
     ],
     min_operands=0, max_operands=1000,
     notes="""PICTURE is linear light of SCENE by the other renderer: .exr, .hdr, .pfm, or
@@ -75,7 +73,7 @@ def _cases(o: SimpleNamespace, operands: list[str], say: command.Say) -> list[Ca
         raise Error("error: give PICTURE... SCENE, a folder with pictures of the kit, or --kit DIR "
                     "(bis judge --help)")
     with telling(say):
-        return [report.of_scene(operands[-1], operands[:-1], o.approximate, say)]
+        return [report.of_scene(operands[-1], operands[:-1], say)]
 
 
 def _body(o: SimpleNamespace, operands: list[str], say: command.Say) -> int:

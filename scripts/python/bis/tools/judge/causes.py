@@ -25,8 +25,10 @@ from ..survey import srgb
 from .verdict import ROUNDING, Truth, Verdict, fit, judge, outlines_of
 
 LEVELS = ((4, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
+SURE = 0.01  #: the least p of a cause that is named
 REJECTED = 1e-5  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
+TURNS = 2048  #: of the map, any of which is found
 FINE = 8  #: subpixels along a pixel's side, for films and filters
 RAYS = 512  #: at a pixel, for a quotient
 GROUPS = 16  #: of them
@@ -65,14 +67,13 @@ class Studio:
     """Pictures of one scene, by several seeds each."""
 
     def __init__(self, source: str, light: Optional[Envmap], map_: Optional[Envmap], step: int = 1,
-                 approximate: bool = False, like: Convention = Convention("")) -> None:
+                 like: Convention = Convention("")) -> None:
         self.source = source  #: of the scene, a file's name or a text
         self.light = light  #: in the place of its own
         self.map = map_  #: what may be changed; None: it has none, or it is not known
-        self.approximate = approximate
         self.step = step
         self.like = like
-        self.scene = self._open(source)
+        self.scene = Scene(source, light=light)
         self.at(LEVELS[0])
         self._quotients: dict[Any, Doubles] = {}
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
@@ -80,9 +81,6 @@ class Studio:
         self.outlines = outlines_of(p.layers["normal"].astype(float),
                                     p.layers["depth"].astype(float), self.alpha,
                                     p.rgb.astype(float))
-
-    def _open(self, source: str) -> Scene:
-        return Scene(source, light=self.light, approximate=self.approximate)
 
     def at(self, level: tuple[int, int]) -> None:
         """Make pictures of so many copies and camera samples from here on."""
@@ -105,14 +103,14 @@ class Studio:
             out.append(p.layers[layer] if layer else p.rgb)
         copies = np.array(out, float)
         if self.like.is_separable and not layer and "width" not in how:
-            copies *= self._quotient(separable)[:self.n, :, :, None]
+            copies *= self._quotient(separable)[:self.n]
         if is_own:
             self._kept[key] = copies
         return copies
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
         """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
-        return Truth(copies, self.outlines | unknown, self.alpha == 0)
+        return Truth(copies, self.outlines, self.alpha == 0, unknown)
 
     def right(self) -> Truth:
         """The right picture."""
@@ -139,7 +137,7 @@ class Studio:
         changed = change(self.text)
         if changed == self.text or (self.light is None and "filename" in self.text):
             return None
-        return self.truth(self.copies(scene=self._open(changed)))
+        return self.truth(self.copies(scene=Scene(changed, light=self.light)))
 
     def fine(self) -> Doubles:
         """Copies of FINE x FINE subpixels a pixel."""
@@ -164,36 +162,47 @@ class Studio:
         return self.truth(c, rim)
 
     def _quotient(self, weight: Weight) -> Doubles:
-        """What the weight multiplies the picture with, (GROUPS, h, w)."""
+        """What the weight multiplies the picture with, (GROUPS, h, w, 3)."""
         if weight not in self._quotients:
-            q = np.ones((GROUPS,) + self.alpha.shape)
+            q = np.ones((GROUPS,) + self.alpha.shape + (3,))
             stage = self.scene.stage()
             for y, x in np.argwhere(self.alpha == 1).tolist():
                 if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
-                    q[:, y, x] = _quotient(stage, weight, y * 65537 + x)
+                    q[:, y, x] = _quotient(stage, self.map, weight, y * 65537 + x)
             self._quotients[weight] = q
         return self._quotients[weight]
 
     def weighed(self, weight: Weight) -> Truth:
-        """The picture with f cos times a weight of n.wi (m,) and of what is hit."""
+        """The picture with f cos times a weight of n.wi (m,) and of what is hit. A pixel's centre
+        does not tell what is at an outline."""
         copies = self.copies()
-        q = self._quotient(weight)[:len(copies), :, :, None]
-        return self.truth(copies * q, (self.alpha > 0) & (self.alpha < 1))
+        q = self._quotient(weight)[:len(copies)]
+        return self.truth(copies * q, self.outlines)
 
 
-def _quotient(stage: Any, weight: Weight, seed: int) -> Doubles:
-    """How the weight changes the radiance at a stage's point: pseudo-values of a jackknife."""
+def _quotient(stage: Any, light: Optional[Envmap], weight: Weight, seed: int) -> Doubles:
+    """How the weight changes the radiance (GROUPS, 3) at a stage's point: pseudo-values of a
+    jackknife. The light has the colours of its map, if that is known."""
     rays = stage.rays(runs=GROUPS, seed=seed, integrator="em", samples=RAYS // GROUPS)
     hit = stage.about()["hit"]
     look = stage.look(rays.wi)
     part = np.divide(look.product * rays.seen, look.q_map, out=np.zeros(len(rays.wi)),
                      where=look.q_map > 0)
-    other = part * weight(rays.wi.astype(float) @ np.array(hit["normal"]), hit)
-    sums = np.stack([np.bincount(rays.sample, b, GROUPS) for b in (part, other)])
+    colours = np.ones((len(part), 3))
+    if light is not None:
+        theta, phi = stage.angles(rays.wi).T  # in degrees
+        h, w = light.shape
+        row, column = (theta / 180 * h).astype(int), (phi / 360 * w).astype(int)
+        Le = light.pixels[np.minimum(row, h - 1), column % w].astype(float)
+        colours = Le / np.maximum(Le.sum(1, keepdims=True), 1e-300)
+    part = part[:, None] * colours
+    other = part * weight(rays.wi.astype(float) @ np.array(hit["normal"]), hit)[:, None]
+    sums = np.zeros((2, GROUPS, 3))
+    np.add.at(sums, (np.s_[:], rays.sample), np.stack([part, other]))
     total = sums.sum(1, keepdims=True)
     without = total - sums
     if not (without[0] > 0).all():
-        return np.ones(GROUPS)
+        return np.ones((GROUPS, 3))
     return GROUPS * total[1] / total[0] - (GROUPS - 1) * without[1] / without[0]
 
 
@@ -225,6 +234,9 @@ def _bilinear(m: Floats) -> Floats:
 
 
 def _turned(m: Floats, share: float) -> Floats:
+    """Turned by a share of 360 degrees, to a half of 1/TURNS, by finer columns where m needs it."""
+    if share * m.shape[1] % 1:
+        m = m.repeat(max(TURNS // m.shape[1], 1), 1)
     return np.roll(m, round(share * m.shape[1]), 1)
 
 
@@ -445,11 +457,28 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
     return Found(name, judge(theirs, truth, rounding), truth)
 
 
-def search(studio: Studio, theirs: Doubles, noise: float,
-           rounding: float = ROUNDING) -> list[Found]:
-    """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
-    share of the mean). The one that fits best comes first."""
-    open_ = list(_all(studio))
+def _best_turn(studio: Studio, theirs: Doubles) -> tuple[str, Make]:
+    """The cause that the map, mirrored or not, is turned by some angle: the best of 32, and then
+    by halves of the step."""
+    def turn(share: float, mirror: int) -> Truth:
+        return studio.under(lambda m: _turned(m[:, ::mirror], share))
+
+    def far(share: float, mirror: int) -> float:
+        return float(np.mean(judge(theirs, turn(share, mirror)).z ** 2))
+    studio.at(LEVELS[0])
+    _, best, mirror = min((far(k / 32, m), k / 32, m) for k in range(32) for m in (1, -1))
+    studio.at(LEVELS[1])
+    least = far(best, mirror)
+    for step in 2.0 ** -np.arange(6, math.log2(TURNS) + 1):
+        least, best = min((least, best), *((far(s, mirror), s) for s in (best - step, best + step)))
+    name = "the map %sturned by %.4g degrees" % ("mirrored and " * (mirror < 0),
+                                                 360 * (best - round(best)))
+    return name, lambda: turn(best, mirror)
+
+
+def _refined(studio: Studio, open_: list[tuple[str, Make]], theirs: Doubles, noise: float,
+             rounding: float) -> list[Found]:
+    """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
     for level in LEVELS:
         studio.at(level)
@@ -463,4 +492,15 @@ def search(studio: Studio, theirs: Doubles, noise: float,
             else:
                 left.append((name, make))
         open_ = left
+    return found
+
+
+def search(studio: Studio, theirs: Doubles, noise: float,
+           rounding: float = ROUNDING) -> list[Found]:
+    """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
+    share of the mean). The one that fits best comes first. If none fits, a map that is turned by
+    any angle is tried."""
+    found = _refined(studio, list(_all(studio)), theirs, noise, rounding)
+    if studio.map is not None and all(f.verdict.p < SURE for f in found):
+        found += _refined(studio, [_best_turn(studio, theirs)], theirs, noise, rounding)
     return sorted(found, key=lambda f: -f.verdict.p)

@@ -16,10 +16,10 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, Found, Studio, search
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE, Found, Studio,
+                     search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
-SURE = 0.01  #: the least p of a cause that is named
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
@@ -138,17 +138,16 @@ def of_kit(name: str, pictures: list[str], say: Say) -> Case:
     """Judge pictures of a scene of the kit."""
     light = Envmap(kit.light(name))
     return _case(name, pictures, lambda step, like: Studio(kit.text(name), light, light, step,
-                                                           False, like), say)
+                                                           like), say)
 
 
-def of_scene(path: str, pictures: list[str], approximate: bool, say: Say) -> Case:
+def of_scene(path: str, pictures: list[str], say: Say) -> Case:
     """Judge pictures of a scene of the user's."""
-    light = Scene(path, approximate=approximate).about()["light"]
+    light = Scene(path).about()["light"]
     map_ = Envmap(light["file"]) if light["file"] else None
     if map_ is not None and map_.shape != (light["height"], light["width"]):
         map_ = None
-    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, approximate,
-                                                           like), say)
+    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, like), say)
 
 
 # ---- what is said ----
@@ -181,7 +180,7 @@ def words(case: Case) -> str:
              "theirs      %d picture%s: %s" % (k, "s" * (k > 1), ", ".join(case.pictures)),
              "verdict     %s%s" % (_said(case), "" if v.is_sure_of_noise else
                                    ", if its noise is as it looks (%d pictures tell)" % MANY),
-             "tests       %s" % ", ".join("%s %s" % (q.name, _p(q.p)) for q in v.parts),
+             "tests       %s" % ", ".join("%s %s" % (name, _p(p)) for name, p in v.parts.items()),
              "mean        theirs is %.5g +- %.1g times ours" % (v.ratio, v.ratio_se),
              "noise       of a tile: theirs %.2g %%, ours %.2g %%" % (100 * v.noise, 100 * v.own)]
     if not v.is_right:
@@ -203,7 +202,7 @@ def data(case: Case) -> dict[str, Any]:
     """What was found, for JSON."""
     v = case.verdict
     return {"scene": case.scene, "pictures": case.pictures, "right": v.is_right, "p": v.p,
-            "tests": {q.name: q.p for q in v.parts}, "ratio": v.ratio, "ratio_se": v.ratio_se,
+            "tests": v.parts, "ratio": v.ratio, "ratio_se": v.ratio_se,
             "noise": v.noise, "own": v.own, "noise_is_known": v.is_sure_of_noise,
             "convention": case.like or None, "refusal": case.refusal or None,
             "sure": case.is_sure,

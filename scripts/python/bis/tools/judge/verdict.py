@@ -43,6 +43,7 @@ class Truth(NamedTuple):
     copies: Doubles  #: (n, h, w, 3), n >= 2
     outlines: Flags  #: (h, w)
     background: Flags  #: (h, w)
+    unknown: Any = False  #: pixels (h, w) of which nothing is said
 
     @property
     def mean(self) -> Doubles:
@@ -50,19 +51,12 @@ class Truth(NamedTuple):
         return self.copies.mean(0)
 
 
-class Part(NamedTuple):
-    """One of the tests."""
-
-    name: str
-    p: float
-
-
 @dataclass
 class Verdict:
     """What the test tells."""
 
     p: float  #: of all tests together
-    parts: list[Part]
+    parts: dict[str, float]  #: p of each test
     ratio: float  #: of the means, theirs over ours, of what is in tiles
     ratio_se: float
     noise: float  #: of their tiles: root mean squared error as a share of the whole mean
@@ -117,7 +111,7 @@ class _Tiles:
         columns = min(max(round(TILES / rows), 1), w)
         y, x = np.arange(h) * rows // h, np.arange(w) * columns // w
         place = 2 * (y[:, None] * columns + x) + truth.background
-        place = np.where(truth.outlines, -1, place)
+        place = np.where(truth.outlines | truth.unknown, -1, place)
         near = np.zeros((h, w), bool)
         for axis in (0, 1):
             a, n = np.moveaxis(place, axis, 0), np.moveaxis(near, axis, 0)
@@ -142,13 +136,16 @@ class _Tiles:
         """Means over tiles (n, 3)."""
         return self.sums(values, self.of) / self.count
 
+    def variance(self, copies: Doubles) -> Doubles:
+        """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter."""
+        return np.stack([self.means(one) for one in copies]).var(0, ddof=1) / len(copies)
+
     def noise(self, d: Doubles) -> tuple[Doubles, Doubles]:
         """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) show it, and
         degrees of freedom (n, 1)."""
         k = len(d)
         if k >= MANY:
-            means = np.stack([self.means(one) for one in d])
-            return means.var(0, ddof=1) / k, np.full((self.n, 1), k - 1.0)
+            return self.variance(d), np.full((self.n, 1), k - 1.0)
         if k > 1:
             return self.means(d.var(0, ddof=1)) / self.count / k, self.count * (k - 1.0)
         total, fourth, pairs = (np.zeros((self.n, c)) for c in (3, 3, 1))
@@ -195,14 +192,15 @@ def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -
 
 def _welch(d: Doubles, errors: list[tuple[Doubles, Any]], skewness: Any = 0.0) -> Doubles:
     """z of differences d with independent errors, a list of variances and degrees of freedom (Welch
-    and Satterthwaite), for a skewness of their sum (Hall 1992). No error at all tells nothing: z is
-    0."""
+    and Satterthwaite), for a skewness of their sum (Hall 1992; his series is for t up to the root
+    of their number). No error at all tells nothing: z is 0."""
     total = sum(v for v, _ in errors)
     known = total > 0
     safe = np.where(known, total, 1.0)
     dof = safe ** 2 / np.maximum(sum(v * v / k for v, k in errors), 1e-9 * safe ** 2)
     t = d / np.sqrt(safe)
-    t = t + skewness * (1 + 2 * t * t) / 6 + skewness ** 2 * t ** 3 / 27
+    u = np.clip(t, -np.sqrt(dof), np.sqrt(dof))
+    t = t + skewness * (1 + 2 * u * u) / 6 + skewness ** 2 * u ** 3 / 27
     return np.where(known, student_z(t, dof), 0.0)
 
 
@@ -216,7 +214,7 @@ def _slopes(mean: Doubles) -> list[Doubles]:
 
 def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
     """z of the sums over outlines of d times what a shift or a blur would be; none without them."""
-    at = truth.outlines
+    at = truth.outlines & np.logical_not(truth.unknown)
     z = []
     for slope in _slopes(truth.mean):
         u = np.sum(d[:, at] * slope[at], axis=-1)  # (k, pixels)
@@ -229,11 +227,6 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
             t = u.sum() / len(d) / math.sqrt(variance + own)
             z.append(float(student_z(np.float64(t), np.float64(dof))))
     return np.array(z)
-
-
-def _own(tiles: _Tiles, truth: Truth) -> Doubles:
-    """The variance of ours in the tiles' means (n, 3)."""
-    return np.stack([tiles.means(one) for one in truth.copies]).var(0, ddof=1) / len(truth.copies)
 
 
 def _beyond(d: Doubles, free: Doubles, variance: Doubles) -> Doubles:
@@ -253,7 +246,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     tiles = _Tiles(truth)
     ours = tiles.means(truth.mean)
     noise, dof = tiles.noise(d)
-    own = _own(tiles, truth)
+    own = tiles.variance(truth.copies)
     free = np.broadcast_to(rounding * np.abs(ours).max(1, keepdims=True, initial=0), ours.shape)
     of_floats = (free / 10) ** 2  # what is beyond it is a mistake even where nothing is noisy
     each = np.stack([tiles.means(one) for one in d])
@@ -262,12 +255,12 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
     z = _welch(_beyond(each.mean(0), free, noise + own), errors, skewness)
     tells = (z != 0) | (noise + own > free * free)  # a tile without noise is right by itself
-    parts = []
+    parts = {}
     if tells.any():
         squares = [chi_square_p(float(np.sum(z[t, c] ** 2)), int(t.sum()))
                    for c, t in enumerate(tells.T) if t.any()]
-        parts = [Part("all tiles", together(np.array(squares))),
-                 Part("worst tile", together(normal_p(z[tells])))]
+        parts = {"all tiles": together(np.array(squares)),
+                 "worst tile": together(normal_p(z[tells]))}
 
     share = tiles.count / max(tiles.count.sum(), 1)
     means = np.sum(share * each, 1)  # (k, 3)
@@ -278,15 +271,15 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     mean_z = _welch(_beyond(means.mean(0), np.sum(share * free, 0), variance),
                     [(variance, freedom)])
     if mean_z.any():
-        parts.append(Part("mean", together(normal_p(mean_z[mean_z != 0]))))
+        parts["mean"] = together(normal_p(mean_z[mean_z != 0]))
     edge = _outlines_z(d, truth)
     if len(edge):
-        parts.append(Part("outlines", together(normal_p(edge))))
+        parts["outlines"] = together(normal_p(edge))
 
     mean = float(np.sum(share * ours)) / 3
     ratio = 1 + float(means.mean()) / mean if mean > 0 else math.inf
     farthest = np.append(np.take_along_axis(z, np.abs(z).argmax(1)[:, None], 1)[:, 0], 0.0)
-    p = together(np.array([part.p for part in parts])) if parts else 1.0
+    p = together(np.array(list(parts.values()))) if parts else 1.0
     return Verdict(p, parts, ratio,
                    math.sqrt(float(variance.mean())) / mean if mean > 0 else math.inf,
                    _size(noise[tells], mean), _size(own[tells], mean), farthest[tiles.of],
@@ -298,7 +291,7 @@ def fit(theirs: Doubles, truth: Truth) -> tuple[float, float]:
     its standard error."""
     tiles = _Tiles(truth)
     noise, _ = tiles.noise(theirs - truth.mean)
-    own = _own(tiles, truth)
+    own = tiles.variance(truth.copies)
     ours, x = tiles.means(truth.mean), np.mean([tiles.means(one) for one in theirs], 0)
     f, power = 1.0, 0.0
     for _ in range(3):  # the error of ours grows with the factor
