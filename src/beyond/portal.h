@@ -40,14 +40,14 @@ uint32_t bis_portals_look(bis_portals *p, const bis_light *light, vec3 origin, u
 void bis_portals_draw(const bis_portals *p, const bis_lanes *x, float *u1, float *u2, bis_rng *rng);
 
 /* bis_portals_pass stores in q[n] the sum of share times density over the portals that directions x pass, and in
- * place[n] the number of a square of the first of these portals, below bis_portals_places; UINT32_MAX: none. Of portal
+ * place[n] the number of a square of the first of these portals, below n BIS_PORTAL_SQUARES; UINT32_MAX: none. Of portal
  * `drawn` it is known that all pass it; BIS_PORTALS_MAX: of none. */
 void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn);
 
 /* bis_portals_are_missed returns whether the light has portals and a ray that escapes passes none of them. */
 bool bis_portals_are_missed(const bis_light *light, ray eye);
 
-/* bis_portals_side returns the number of squares along an edge of each of n portals, bis_portals_places that of all
- * squares, at most 64. */
-static inline uint32_t bis_portals_side(uint32_t n) { return n <= 4 ? 4 : 2; }
-static inline uint32_t bis_portals_places(uint32_t n) { return n * bis_portals_side(n) * bis_portals_side(n); }
+enum { BIS_PORTALS_CONES = BIS_PORTALS_MAX + 1 };
+
+/* Each portal is divided into 2 x 2 squares. (4 x 4 have the same error within 5 %.) */
+enum { BIS_PORTAL_SIDE = 2, BIS_PORTAL_SQUARES = BIS_PORTAL_SIDE * BIS_PORTAL_SIDE };
