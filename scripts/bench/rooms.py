@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""rooms: squared error times seconds in rooms lit through openings, without and with portals, beside a portal
-integrator in Mitsuba 3. docs/theory.md reads the table.
+"""rooms: squared error times seconds in rooms lit through openings, without and with portals,
+beside a portal integrator in Mitsuba 3. docs/theory.md reads the table.
 
-    python3 scripts/bench/rooms.py BIS MAPS OUT [WORD]     OUT keeps scenes; only rooms with WORD in their name
+    python3 scripts/bench/rooms.py BIS MAPS OUT [WORD]     OUT keeps scenes; only rooms with WORD
 
-Every method renders each room with five seeds. All are unbiased, so the error of a method is the variance over its
-seeds, over r^2 + (0.1 mean r)^2, where r is the mean of all pictures of the room. The seconds are the least of the
-seeds, of rendering alone, on the one core that the caller allows (taskset). The last column is the standard error of
-error x seconds in per cent."""
+Every method renders each room with five seeds. All are unbiased, so the error of a method is the
+variance over its seeds, over r^2 + (0.1 mean r)^2, where r is the mean of all pictures of the room.
+The seconds are the least of the seeds, of rendering alone, on the one core that the caller allows
+(taskset). The last column is the standard error of error x seconds in per cent."""
 import json
 import math
 import os
@@ -24,41 +24,49 @@ dr.set_thread_count(2)  # a pool of one hangs
 bis, maps, out = (os.path.abspath(p) for p in sys.argv[1:4])
 WIDTH, HEIGHT, SEEDS = 160, 120, 5
 EYE, LOOK, FOV = (-1.7, -1.7, 1.6), (1, .6, .9), 70
-TURNS = {'overcast': 0, 'outdoor': -200, 'studio': -100}  # degrees about z: the sun and the lamps are behind the window
+TURNS = {'overcast': 0, 'outdoor': -200, 'studio': -100}  # degrees: sun and lamps behind the window
 
 
 def box(low, high):
     """Its rectangles: each a corner and two edges."""
     low, edges = np.array(low, float), np.diag(np.subtract(high, low))
-    return [(low + far * edges[i], edges[(i + 1) % 3], edges[(i + 2) % 3]) for i in range(3) for far in (0, 1)]
+    return [(low + far * edges[i], edges[(i + 1) % 3], edges[(i + 2) % 3])
+            for i in range(3) for far in (0, 1)]
 
 
 def room(openings):
     """4 x 4 x 3 inside. Walls are thick, because light would leak in where two rectangles meet."""
-    walls = [((-2.1, -2.1, -.1), (2.1, 2.1, 0)), ((-2.1, -2.1, 3), (2.1, 2.1, 3.1)), ((-2.1, -2.1, -.1), (-2, 2.1, 3.1)),
-             ((-2.1, -2.1, -.1), (2.1, -2, 3.1))]
+    walls = [((-2.1, -2.1, -.1), (2.1, 2.1, 0)), ((-2.1, -2.1, 3), (2.1, 2.1, 3.1)),
+             ((-2.1, -2.1, -.1), (-2, 2.1, 3.1)), ((-2.1, -2.1, -.1), (2.1, -2, 3.1))]
     for axis in (0, 1):
         a, b, low, high = next((o[1:] for o in openings if o[0] == axis), (0, 0, 0, 0))
-        for a0, a1, z0, z1 in ((-2.1, a, -.1, 3.1), (b, 2.1, -.1, 3.1), (a, b, -.1, low), (a, b, high, 3.1)):
+        for a0, a1, z0, z1 in ((-2.1, a, -.1, 3.1), (b, 2.1, -.1, 3.1), (a, b, -.1, low),
+                               (a, b, high, 3.1)):
             corners = np.array(((2, a0, z0), (2.1, a1, z1)))
             walls += [corners if axis == 0 else corners[:, [1, 0, 2]]] if a0 < a1 else []
     return [r for low, high in walls for r in box(low, high)]
 
 
 def portal(axis, a, b, low, high):
-    """The outer rectangle of an opening in the wall x = 2 (axis 0) or y = 2: its sides see light through it, too."""
+    """The outer rectangle of an opening in the wall x = 2 (axis 0) or y = 2: the sides of the
+    opening see light through it, too."""
     along = np.eye(3)[1 - axis]
-    return 2.1 * np.eye(3)[axis] + a * along + [0, 0, low], (b - a) * along, np.array([0, 0, high - low])
+    corner = 2.1 * np.eye(3)[axis] + a * along + [0, 0, low]
+    return corner, (b - a) * along, np.array([0, 0, high - low])
 
 
 SIDE, BACK, DOOR = (0, -.5, .5, 1, 2), (1, -.6, .6, 1, 2), (0, -.4, .5, 0, 2.1)
-BLINDS = [(np.array((2, -.5, 1 + .1 * i)), np.array((0, 1, 0)), np.array((.06, 0, .06))) for i in range(10)]
-TABLE = [r for low, high in [((-.2, -.4, .7), (1, .8, .75)), ((.2, 0, .75), (.5, .3, 1.1))] + [
-    ((x, y, 0), (x + .06, y + .06, .7)) for x in (-.2, .94) for y in (-.4, .74)] for r in box(low, high)]
+BLINDS = [(np.array((2, -.5, 1 + .1 * i)), np.array((0, 1, 0)), np.array((.06, 0, .06)))
+          for i in range(10)]
+TABLE = sum((box((x, y, 0), (x + .06, y + .06, .7)) for x in (-.2, .94) for y in (-.4, .74)),
+            box((-.2, -.4, .7), (1, .8, .75)) + box((.2, 0, .75), (.5, .3, 1.1)))
 ROOMS = {
-    'one window, overcast': ('overcast', [SIDE], []), 'two windows, outdoor': ('outdoor', [SIDE, BACK], []),
-    'blinds, outdoor': ('outdoor', [SIDE], BLINDS), 'door, overcast': ('overcast', [DOOR], []),
-    'furniture, outdoor': ('outdoor', [SIDE], TABLE), 'one window, studio': ('studio', [SIDE], []),
+    'one window, overcast': ('overcast', [SIDE], []),
+    'two windows, outdoor': ('outdoor', [SIDE, BACK], []),
+    'blinds, outdoor': ('outdoor', [SIDE], BLINDS),
+    'door, overcast': ('overcast', [DOOR], []),
+    'furniture, outdoor': ('outdoor', [SIDE], TABLE),
+    'one window, studio': ('studio', [SIDE], []),
     'one window, rgb L': (None, [SIDE], [])}
 
 
@@ -87,15 +95,15 @@ def bis_scene(sky, openings, things, portals, settings=''):
 
 
 class Portals(mi.SamplingIntegrator):
-    """One sample of direct light: through a portal, uniform in its solid angle (Urena et al. 2013), or with probability
-    1 - weight of the map. Its density is that of the mixture."""
+    """One sample of direct light: through a portal, uniform in its solid angle (Urena et al. 2013),
+    or with probability 1 - weight of the map. Its density is that of the mixture."""
 
     def __init__(self, props):
         super().__init__(props)
         self.weight, self.portals = props['weight'], PORTALS.copy()
 
     def sample(self, scene, sampler, ray, medium=None, active=True):
-        si, light, w = scene.ray_intersect(ray, active), scene.environment(), self.weight
+        w, light, si = self.weight, scene.environment(), scene.ray_intersect(ray, active)
         found, which, u = si.is_valid(), sampler.next_1d(), sampler.next_2d()
         views = [View(si.p, *p) for p in self.portals]
         ds = light.sample_direction(si, u, found)[0] if w < 1 else dr.zeros(mi.DirectionSample3f)
@@ -125,7 +133,8 @@ class View:
         self.a, self.b, self.z = a, b, dr.dot(self.c, d)
         self.x, self.y = dr.dot(a, d), dr.dot(b, d)
         self.X, self.Y = self.x + float(np.linalg.norm(along)), self.y + float(np.linalg.norm(up))
-        x, X, y, Y = (t * dr.rsqrt(t * t + self.z * self.z) for t in (self.x, self.X, self.y, self.Y))
+        sides = (self.x, self.X, self.y, self.Y)
+        x, X, y, Y = (t * dr.rsqrt(t * t + self.z * self.z) for t in sides)
         self.low, self.high = y, Y
         self.turn = 2 * math.pi - dr.acos(Y * x) - dr.acos(-x * y)
         self.angle = dr.asin(X * Y) + dr.asin(x * y) - dr.asin(X * y) - dr.asin(x * Y)
@@ -143,30 +152,36 @@ class View:
     def pdf(self, d):
         t = self.z / dr.dot(d, self.c)
         x, y = t * dr.dot(d, self.a), t * dr.dot(d, self.b)
-        inside = (t > 0) & (x >= self.x) & (x <= self.X) & (y >= self.y) & (y <= self.Y) & (self.angle > 1e-6)
-        return dr.select(inside, 1 / self.angle, 0)
+        inside = (t > 0) & (x >= self.x) & (x <= self.X) & (y >= self.y) & (y <= self.Y)
+        return dr.select(inside & (self.angle > 1e-6), 1 / self.angle, 0)
 
 
 def mitsuba_render(sky, openings, things, integrator):
     """A function of samples and seed that returns a picture and seconds."""
     quads = room(openings) + things
     with open(out + '/room.ply', 'w') as f:
-        f.write(f'ply\nformat ascii 1.0\nelement vertex {4 * len(quads)}\nproperty float x\nproperty float y\n'
-                f'property float z\nelement face {2 * len(quads)}\nproperty list uchar int vertex_indices\nend_header\n')
+        f.write(f'ply\nformat ascii 1.0\nelement vertex {4 * len(quads)}\nproperty float x\n'
+                f'property float y\nproperty float z\nelement face {2 * len(quads)}\n'
+                'property list uchar int vertex_indices\nend_header\n')
         f.writelines('%g %g %g\n' % tuple(p) for q in quads for p in points(q))
-        f.writelines('3 %d %d %d\n3 %d %d %d\n' % tuple(4 * i + k for k in (0, 1, 2, 0, 2, 3)) for i in range(len(quads)))
-    world, unit = mi.ScalarTransform4f(), mi.ScalarTransform4f([[0, 0, -1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+        for i in range(0, 4 * len(quads), 4):
+            f.write(f'3 {i} {i + 1} {i + 2}\n3 {i} {i + 2} {i + 3}\n')
+    world = mi.ScalarTransform4f()
+    unit = mi.ScalarTransform4f([[0, 0, -1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
     PORTALS[:] = [portal(*o) for o in openings]
     scene = mi.load_dict({
         'type': 'scene', 'integrator': integrator,
         'light': {'type': 'envmap', 'filename': f'{maps}/{sky}.hdr',
-                  'to_world': world.rotate([0, 0, 1], TURNS[sky]) @ unit} if sky else {'type': 'constant'},
-        'sensor': {'type': 'perspective', 'fov': FOV, 'fov_axis': 'smaller', 'sampler': {'type': 'multijitter'},
+                  'to_world': world.rotate([0, 0, 1], TURNS[sky]) @ unit
+                  } if sky else {'type': 'constant'},
+        'sensor': {'type': 'perspective', 'fov': FOV, 'fov_axis': 'smaller',
                    'to_world': world.look_at(origin=list(EYE), target=list(LOOK), up=[0, 0, 1]),
-                   'film': {'type': 'hdrfilm', 'width': WIDTH, 'height': HEIGHT, 'rfilter': {'type': 'box'},
-                            'pixel_format': 'rgb', 'component_format': 'float32'}},
-        'room': {'type': 'ply', 'filename': out + '/room.ply', 'face_normals': True, 'bsdf': {
-            'type': 'twosided', 'side': {'type': 'diffuse', 'reflectance': {'type': 'rgb', 'value': .5}}}}})
+                   'sampler': {'type': 'multijitter'},
+                   'film': {'type': 'hdrfilm', 'width': WIDTH, 'height': HEIGHT,
+                            'pixel_format': 'rgb', 'component_format': 'float32',
+                            'rfilter': {'type': 'box'}}},
+        'room': {'type': 'ply', 'filename': out + '/room.ply', 'face_normals': True,
+                 'bsdf': {'type': 'twosided', 'side': {'type': 'diffuse', 'reflectance': .5}}}})
 
     def render(spp, seed):
         start = time.perf_counter()
@@ -183,8 +198,8 @@ def bis_render(name, text):
         f.write(text)
 
     def render(spp, seed):
-        subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed), '--nthreads', '1', '--outfile',
-                        picture, '--stats', stats], check=True)
+        subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed),
+                        '--nthreads', '1', '--outfile', picture, '--stats', stats], check=True)
         with open(stats) as f:
             seconds = json.load(f)['seconds']['render']
         return np.array(mi.Bitmap(picture), dtype=float)[:, :, :3], seconds
@@ -198,8 +213,9 @@ def measure(name, sky, openings, things):
     methods = {
         'bis': (16, bis_render('room', bis_scene(sky, openings, things, False))),
         'bis, portals': (16, bis_render('portals', bis_scene(sky, openings, things, True))),
-        **{f'Mitsuba, {label}': (spp, mitsuba_render(sky, openings, things, i)) for label, spp, i in (
-            ("direct", 121, direct), ('portals', 64, mixture[0]), ('portals and map', 64, mixture[1]))}}
+        **{f'Mitsuba, {how}': (n, mitsuba_render(sky, openings, things, i)) for how, n, i in (
+            ('direct', 121, direct), ('portals', 64, mixture[0]),
+            ('portals and map', 64, mixture[1]))}}
     runs = {m: [] for m in methods}
     for seed in range(1, SEEDS + 1):
         for m, (spp, render) in methods.items():
@@ -209,9 +225,10 @@ def measure(name, sky, openings, things):
     scale = mean ** 2 + (.1 * mean.mean()) ** 2
     for m, p in pictures.items():
         errors = ((p - p.mean(0)) ** 2 / scale).mean((1, 2, 3)) * SEEDS / (SEEDS - 1)
-        seconds = min(t for _, t in runs[m])
-        print(f'"{name}","{m}",{methods[m][0]},{p.mean():.5g},{errors.mean():.3g},{seconds:.3g},'
-              f'{errors.mean() * seconds:.3g},{100 * errors.std(ddof=1) / errors.mean() / SEEDS ** .5:.0f}', flush=True)
+        error, seconds = errors.mean(), min(t for _, t in runs[m])
+        doubt = 100 * errors.std(ddof=1) / error / SEEDS ** .5
+        print(f'"{name}","{m}",{methods[m][0]},{p.mean():.5g},{error:.3g},{seconds:.3g},'
+              f'{error * seconds:.3g},{doubt:.0f}', flush=True)
 
 
 print('room,method,samples,mean,error,seconds,error x seconds,standard error in per cent')
