@@ -23,6 +23,8 @@
 
 #include <math.h>
 
+
+
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
 {
     const bool product = s->integrator == &bis_sir && s->proposal == BIS_PROPOSAL_PRODUCT && s->stratify &&
@@ -93,7 +95,7 @@ static void find_clusters(const bis_product_guide *g, const bis_lanes *x, uint32
  * squares from each other and from clusters; else the cluster. */
 static uint16_t part_of(const bis_product_guide *g, uint32_t place, uint16_t cluster)
 {
-    const uint32_t n = g->clusters->n, all = bis_portals_places(g->portals.n);
+    const uint32_t n = g->clusters->n, all = g->portals.n * BIS_PORTAL_SQUARES;
 
     return place == UINT32_MAX ? cluster : (uint16_t)(n + (place * n + all - 1) / all);
 }
@@ -114,13 +116,14 @@ static void mix_portals(const bis_product_guide *g, bis_set *set, const bis_lane
 /* What lies behind a portal is seen as the portal is: so the product draws from its clusters. */
 static void favour_portals(bis_product_guide *g)
 {
-    const bis_lanes axes = {.x = g->clusters->cone.x, .y = g->clusters->cone.y, .z = g->clusters->cone.z};
+    const bis_cones *c = &g->clusters->cone;
+    const bis_lanes axes = {.x = c->x, .y = c->y, .z = c->z, .q = c->sine};
     float q[BIS_CLUSTERS_MOST], *w = g->product.clusters.w;
     uint32_t place[BIS_CLUSTERS_MOST];
 
-    bis_portals_pass(&g->portals, q, place, &axes, g->clusters->n, BIS_PORTALS_MAX);
+    bis_portals_pass(&g->portals, q, place, &axes, g->clusters->n, BIS_PORTALS_CONES);
     for (uint32_t k = 0; k < g->clusters->n; k++)
-        w[k] *= g->guess.h[part_of(g, place[k], (uint16_t)k)] / g->guess.h[k];
+        if (place[k] != UINT32_MAX) w[k] *= g->guess.h[part_of(g, place[k], (uint16_t)k)] / g->guess.h[k];
     g->product.W = bis_choice_sum(&g->product.clusters, g->product.clusters.n);
 }
 
@@ -306,7 +309,8 @@ void bis_product_guide_look(bis_product_guide *g, size_t cell)
     if (!g->visibility) return;
     bis_guess_look(&g->guess, g->clusters->n_parts, g->visibility, cell);
     if (!brdf_draws_all(g)) return;
-    bis_product_weigh_all(&g->product, g->clusters);
+    for (uint32_t k = 0; k < g->clusters->n; k++) g->product.clusters.w[k] = 1;
+    g->product.W = g->clusters->n;
     bis_product_guess(&g->product, g->clusters, &g->guess);
 }
 

@@ -34,12 +34,6 @@ bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_bsdf *bs
     return p->W > 0;
 }
 
-void bis_product_weigh_all(bis_product *p, const bis_clusters *c)
-{
-    for (uint32_t k = 0; k < bis_lanes_round_up(c->n); k++) p->clusters.w[k] = k < c->n;
-    p->W = c->n;
-}
-
 bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f)
 {
     for (uint32_t k = bis_lanes_round_up(c->n); k < bis_lanes_round_up(c->n_parts); k++) p->clusters.w[k] = 0;

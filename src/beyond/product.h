@@ -21,9 +21,6 @@ void bis_product_clear(bis_product *p);
 /* bis_product_weigh weighs the clusters for a material. Returns false if no light can be reflected from any of them. */
 bool bis_product_weigh(bis_product *p, const bis_clusters *c, const bis_bsdf *bsdf);
 
-/* bis_product_weigh_all gives all clusters the weight 1, for candidates that the clusters do not draw. */
-void bis_product_weigh_all(bis_product *p, const bis_clusters *c);
-
 /* bis_product_guess multiplies the weights by what is known of V, as f makes it of them (bis_guess_mix). Returns false
  * if nothing is left of them, because they are near the smallest floats. */
 bool bis_product_guess(bis_product *p, const bis_clusters *c, bis_visibility_guess *f);

@@ -213,8 +213,8 @@ bis_status bis_render_files_write_stats(const bis_render_files *files, const bis
 void bis_render_files_warn_of_counts(const bis_counters *counters, bis_diag *diag)
 {
     if (counters->beside_portals)
-        bis_warn(diag, bis_cli_loc, "%llu camera rays see the light beside its portals: give other openings a \"portal\","
-                 " too, because light that comes through them is found later",
+        bis_warn(diag, bis_cli_loc, "%llu camera rays see the light beside its portals: give other openings a portal"
+                 ", too, because light that comes through them is found later",
                  (unsigned long long)counters->beside_portals);
     if (!counters->nonfinite) return;
     bis_warn(diag, bis_cli_loc,

@@ -102,7 +102,7 @@ static void the_density_is_that_of_what_passes(void **state)
             const double a = (double)x.r[i], b = (double)x.g[i], edge = k == 3 || k == 4 ? 1e-2 : 1e-4;
             const double out = fmax(fmax(-a, a - 1), fmax(-b, b - 1));
             if (fabs(out) < edge) continue; /* a float may round it to the other side */
-            assert_true((q[i] > 0) == (out < 0) && (place[i] < bis_portals_places(1)) == (out < 0));
+            assert_true((q[i] > 0) == (out < 0) && (place[i] < BIS_PORTAL_SQUARES) == (out < 0));
             if (out < 0) assert_true(fabs((double)q[i] * all / 0.25 - 1) < 0.01);
             passes += out < 0;
         }
