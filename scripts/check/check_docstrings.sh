@@ -113,7 +113,7 @@ awk '
 awk -v whole=$(($# == 0)) '
     # Those that may have more, and why.
     BEGIN {
-        list = "choose_systematic mix weigh" # lanes: restrict belongs to a parameter
+        list = "choose_systematic weigh" # lanes: restrict belongs to a parameter
         list = list " add_em add_brdf" # taught: answers of the course have these heads
         list = list " bis_film_init_thin" # a place or a name for messages beside what is made
         # one caller, for which alone a struct would be filled in

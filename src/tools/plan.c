@@ -121,7 +121,7 @@ static void print_light(const bis_scene_desc *d, FILE *out)
         fprintf(out, "light        map %s, %s, a file of %s\n", light->filename, bis_mapping_names[mapping],
                 megabytes(buf, (double)bis_scene_peek_bytes(light->filename)));
     }
-    if (light->n_portals) fprintf(out, "light        %u portals\n", (unsigned)light->n_portals);
+    if (light->n_portals) fprintf(out, "light        portals: %u\n", (unsigned)light->n_portals);
     if (d->has_light && !light->visible) fprintf(out, "light        not visible to camera rays\n");
 }
 

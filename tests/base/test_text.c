@@ -45,8 +45,8 @@ static void a_percentage_is_written_as_a_person_writes_it(void **state)
 static void a_bound_in_percent_is_rounded_up(void **state)
 {
     static const struct { double bound; const char *text; } cases[] = {
-        {0, "0%"}, {0.00121, "0.13%"}, {0.012, "1.2%"}, {0.0121, "1.3%"}, {0.0991, "10%"}, {0.12, "12%"}, {0.1201, "13%"},
-        {1, "100%"}, {(double)INFINITY, "over 1000000%"}};
+        {0, "0%"}, {0.00121, "0.13%"}, {0.012, "1.2%"}, {0.0121, "1.3%"}, {0.0991, "10%"}, {0.12, "12%"},
+        {0.1201, "13%"},        {1, "100%"}, {(double)INFINITY, "over 1000000%"}};
     char text[BIS_PERCENT];
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_string_equal(bis_percent_above(text, cases[i].bound), cases[i].text);

@@ -169,7 +169,8 @@ static void a_pictures_attributes_are_those_by_hand(void **state)
     assert_string_equal(join(text, sizeof text, attributes, n),
                         "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E6 E20 edgesamples=2 "
                         "edgelight=0.25 "
-                        "spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 relative_rmse_at_most=0.5 bis:raised=0.125 "
+                        "spp=12 seed=34 render_seconds=5.5 estimated_relative_rmse=0.25 relative_rmse_at_most=0.5 "
+                        "bis:raised=0.125 "
                         "bis:version=" BIS_VERSION " ");
     bis_film_clear(&film);
 }
@@ -187,7 +188,8 @@ static void what_a_scene_has_stands_under_its_key(void **state)
         {"accepted", "null"}, {"fallbacks", "null"}, {"samples", "8"}, {"candidates", "null"}, {"proposal", "null"},
         {"approximated.0.kind", "\"cone\""}, {"approximated.0.count", "3"}, {"approximated.0.consequence", "\"none\""},
         {"approximated.1.kind", "\"hair\""}, {"approximated.1.count", "1"}, {"approximated.2.kind", ""},
-        {"estimated_relative_rmse", "null"}, {"relative_rmse_at_most", "0.75"}, {"interrupted", "false"}, {"missing", "0.25"}};
+        {"estimated_relative_rmse", "null"}, {"relative_rmse_at_most", "0.75"}, {"interrupted", "false"},
+        {"missing", "0.25"}};
     bis_approximation replaced[] = {{.kind = "cone", .consequence = "none", .effect = BIS_EFFECT_SHAPE, .n = 3},
                                     {.kind = "hair", .consequence = "skin", .effect = BIS_EFFECT_MATERIAL, .n = 1}};
     bis_attribute attributes[BIS_MAX_ATTRIBUTES];
@@ -215,7 +217,8 @@ static void what_a_scene_has_stands_under_its_key(void **state)
     const int n = bis_describe_picture(&s, attributes);
     assert_string_equal(join(all, sizeof all, attributes, n),
         "scene=a/scene.txt integrator=em samples=8 stratify=false asprinted=E34 bis:approximated=3 x cone: none; 1 x "
-        "hair: skin spp=12 bis:missing=0.25 seed=0 render_seconds=5 relative_rmse_at_most=0.75 bis:version=" BIS_VERSION " ");
+        "hair: skin spp=12 bis:missing=0.25 seed=0 render_seconds=5 relative_rmse_at_most=0.75 "
+                        "bis:version=" BIS_VERSION " ");
     bis_film_clear(&film);
 
     /* of parts that were put together the text alone is known */

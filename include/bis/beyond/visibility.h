@@ -104,9 +104,9 @@ static inline size_t bis_visibility_first_cell(const bis_visibility *v, size_t p
  * complete. The square around it must be closed. */
 void bis_guess_look(bis_visibility_guess *f, uint32_t n, const bis_visibility *v, size_t cell);
 
-/* bis_guess_mix makes h, control and noise for a point, of whose product with cluster k of n b[k] is a bound, W their sum, and
- * multiplies b by h. 8 of 15 candidates then go where the cell alone would send them, 4 where the square around it
- * would, and 3 where it would go without knowledge. Without a square it is 4 of 5 and 1 of 5. */
+/* bis_guess_mix makes h, control and noise for a point, of whose product with cluster k of n b[k] is a bound, W their
+ * sum, and multiplies b by h. 8 of 15 candidates then go where the cell alone would send them, 4 where the square
+ * around it would, and 3 where it would go without knowledge. Without a square it is 4 of 5 and 1 of 5. */
 void bis_guess_mix(bis_visibility_guess *f, float *b, double W, uint32_t n);
 
 /* bis_visibility_close makes *square of what was counted in square k, for n clusters. The square around it must be
