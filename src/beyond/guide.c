@@ -63,10 +63,11 @@ static bis_mixture divide(const bis_guide *guide, uint32_t M, const bis_point *p
     const bis_product_guide *g = (const bis_product_guide *)guide;
 
     /* Of a constant light the BRDF draws the product, up to V. Where most is hidden the clusters know V. (Error x time
-     * over that of the clusters' draw: in a room .7, a glossy statue .3.) */
+     * over that of the clusters' draw: in a room .7, a glossy statue .4.) */
     if (brdf_draws_all(g)) return (bis_mixture){0, M, 0};
     /* no stream: with M > 1 nothing is drawn */
-    if (bis_clusters_are_wide(g->clusters) && M > 1) return bis_candidates_divide(M, BIS_PROPOSAL_MIX, pt, NULL);
+    if (bis_clusters_are_wide(g->clusters) && M > 1 && !g->clusters->as_map)
+        return bis_candidates_divide(M, BIS_PROPOSAL_MIX, pt, NULL);
     const double share = pt->bsdf.p_specular / 2 / (1 + 64 * bis_candidates_in_lobe(M, pt));
     const uint32_t n_brdf = (uint32_t)floor(share * M); /* < M: share <= 1/2 */
     return (bis_mixture){M - n_brdf, n_brdf, (double)(M - n_brdf) / M};

@@ -116,6 +116,7 @@ void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis
     memset(place, 0xff, n * sizeof *place);
     for (uint32_t j = p->n; j-- > 0;) {
         const bis_portal_view *v = &p->view[j];
+        if (!(p->share[j] > 0)) continue;
         const double size[3] = {v->high[0] - v->low[0], v->high[1] - v->low[1], v->z};
         const float even = (float)(v->by_area ? 0 : p->share[j] / v->solid_angle);
         const float by_area = (float)(v->by_area ? p->share[j] * v->z * v->z / (size[0] * size[1]) : 0);
@@ -124,7 +125,6 @@ void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis
                                drawn == BIS_PORTALS_CONES ? (float)(v->z / size[1]) : 0};
         const int all = j == drawn;
         float a[3][3];
-        if (!(p->share[j] > 0)) continue;
         for (int k = 0; k < 9; k++) a[k / 3][k % 3] = (float)(v->axis[k / 3][k % 3] * v->z / size[k / 3]);
 #pragma omp simd
         for (uint32_t i = 0; i < n; i++) {
