@@ -578,7 +578,7 @@ static int step_without_memory(int k, void *of)
     case 8: return bis_flat_compare(1, 1, F(1, 1, 1, 1), F(1, 1, 1, 1), v, SAY);
     }
     const int status = k == 9 ? bis_flat_light_shrink(&small, light, 8, SAY)
-                                     : bis_flat_light_open_as(&small, DIR "/white.pfm", NONE, SAY);
+                          : bis_flat_light_open_as(&small, DIR "/white.pfm", NONE, SAY);
     assert_true((status == BIS_OK) == (small != NULL));
     bis_flat_light_close(small);
     return status;
