@@ -44,12 +44,12 @@ static inline void assert_about(double a, double b, double tolerance)
 
 /* Each of the steps 0 to n - 1, a call that frees what it made, while memory is short: it says so, and keeps no
  * block. */
-static inline void assert_steps_without_memory(bis_status (*step)(int k, void *of), int n, void *of)
+static inline void assert_steps_without_memory(int (*step)(int k, void *of), int n, void *of)
 {
     for (int k = 0; k < n; k++) {
         FOR_LACK(l) {
             const long live = bis_mem_live();
-            LACK(l, step(k, of));
+            LACK(l, (bis_status)step(k, of));
             if ((l.status == BIS_NOMEM) != (*say != 0)) fail_msg("step %d: %s", k, say);
             assert_int_equal(bis_mem_live(), live);
             assert_true(!l.over || l.k > 1);

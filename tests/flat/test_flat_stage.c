@@ -400,7 +400,7 @@ static void the_best_weights_are_what_they_say(void **state)
 }
 
 /* One step of those that take memory; what it makes is freed. */
-static bis_status step_without_memory(int k, void *of)
+static int step_without_memory(int k, void *of)
 {
     bis_flat_stage *stage = of;
     static double v[64], x[64];
@@ -415,7 +415,7 @@ static bis_status step_without_memory(int k, void *of)
     case 3: return bis_flat_stage_noises(stage, sir64, 1, 4, v, SAY);
     case 4: return bis_flat_stage_accepted(stage, LIST("integrator=rejection"), 1, 4, v, SAY);
     }
-    const bis_status status = bis_flat_stage_open(&other, "scene", LIST(SCENE, "threads=1"), SAY);
+    const int status = bis_flat_stage_open(&other, "scene", LIST(SCENE, "threads=1"), SAY);
     assert_true((status == BIS_OK) == (other != NULL));
     bis_flat_stage_close(other);
     return status;

@@ -558,7 +558,7 @@ static void what_lies_below_the_horizon_is_counted(void **state)
 /* ---- no memory, NULL ---- */
 
 /* One step of those that take memory; what it makes is freed. */
-static bis_status step_without_memory(int k, void *of)
+static int step_without_memory(int k, void *of)
 {
     bis_light *light = of;
     const double w[3] = {1, 2, 3};
@@ -577,8 +577,8 @@ static bis_status step_without_memory(int k, void *of)
     case 7: return bis_flat_light_regions(light, 2, 1, i, j, v, x, &n, SAY);
     case 8: return bis_flat_compare(1, 1, F(1, 1, 1, 1), F(1, 1, 1, 1), v, SAY);
     }
-    const bis_status status = k == 9 ? bis_flat_light_shrink(&small, light, 8, SAY)
-                                     : bis_flat_light_open_as(&small, DIR "/white.pfm", NONE, SAY);
+    const int status = k == 9 ? bis_flat_light_shrink(&small, light, 8, SAY)
+                          : bis_flat_light_open_as(&small, DIR "/white.pfm", NONE, SAY);
     assert_true((status == BIS_OK) == (small != NULL));
     bis_flat_light_close(small);
     return status;

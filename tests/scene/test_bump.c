@@ -348,7 +348,7 @@ static void a_bent_normal_is_on_the_side_of_the_surface(void **state)
         {{.75f, .625f, .9f}, {0, 0, 0}, {0, 0, 1}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         rgb pixel = cases[i].colour;
-        const bis_texture_image image = {.image = {1, 1, &pixel}};
+        const bis_texture_image image = {.image = {1, 1, &pixel, NULL}};
         const bis_textures none = {0};
         const bis_material_textures of = {.bump = BIS_NO_TEXTURE, .normals = 0};
         const double *u = cases[i].u;
@@ -369,7 +369,8 @@ static void without_coordinates_any_tangents_will_do(void **state)
         const frame f = frame_about(n);
         const vec3 a = add(n, f.x), b = add(n, f.y), c = sub(n, add(f.x, f.y));
         const ray eye = {{0, 0, 0}, n, INFINITY};
-        bis_tangents t = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN, NAN}, false};
+        bis_tangents t;
+        memset(&t, 0xff, sizeof t); /* NaN */
         built plane = build(SLOPE "Material \"diffuse\" \"texture displacement\" \"d\" Shape \"trianglemesh\" "
                             "\"point2 uv\" [1 1 1 1 1 1] \"point3 P\" [%.9g %.9g %.9g  %.9g %.9g %.9g  %.9g %.9g %.9g]",
                             (double)a.x, (double)a.y, (double)a.z, (double)b.x, (double)b.y, (double)b.z, (double)c.x,

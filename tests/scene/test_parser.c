@@ -561,7 +561,7 @@ static void spp_alone_is_divided_as_squarely_as_possible(void **state)
         bis_scene_desc *d = good_scene(text, "");
         const bis_sampler *is = &d->view.sampler;
         if (is->xsamples != cases[i].x || is->ysamples != cases[i].y || is->spp != cases[i].x * cases[i].y)
-            fail_msg("%s: %u x %u", text, is->xsamples, is->ysamples);
+            fail_msg("%s: %llu x %llu", text, (unsigned long long)is->xsamples, (unsigned long long)is->ysamples);
         bis_scene_desc_free(d);
     }
 }

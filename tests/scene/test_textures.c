@@ -871,7 +871,7 @@ static void the_range_of_each_kind_holds_its_values(void **state)
         {.kind = BIS_TEXTURE_ALPHA, .of = {1}}, {.kind = BIS_TEXTURE_MIX, .of = {0, 1, 3}}};
     const bis_textures t = {.list = list, .n = sizeof list / sizeof *list};
     for (uint32_t i = 0; i < t.n; i++) {
-        rgbd lo, hi, least = {INFINITY, INFINITY, INFINITY}, most = {-INFINITY, -INFINITY, -INFINITY};
+        rgbd lo, hi, least = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
         for (int k = 0; k < 2; k++)
             if (list[i].factor[k] == 0) list[i].factor[k] = 1;
         bis_textures_range(&lo, &hi, &t, &image, i);
