@@ -22,7 +22,7 @@ import numpy as np
 from ... import Envmap, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
-from .verdict import ROUNDING, Truth, Verdict, fit, judge, outlines_of
+from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of
 
 LEVELS = ((4, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
 SURE = 0.01  #: the least p of a cause that is named
@@ -78,9 +78,12 @@ class Studio:
         self._quotients: dict[Any, Doubles] = {}
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
         self.alpha = p.alpha.astype(float)
-        self.outlines = outlines_of(p.layers["normal"].astype(float),
-                                    p.layers["depth"].astype(float), self.alpha,
-                                    p.rgb.astype(float))
+        self._shapes = [p.layers[name].astype(float) for name in ("normal", "depth")]
+        self.outlines = self._outlines(p.rgb.astype(float))
+
+    def _outlines(self, rgb: Doubles) -> Flags:
+        """Outlines of shapes, and of lamps that a camera sees in a picture (h, w, 3)."""
+        return outlines_of(*self._shapes, self.alpha, rgb)
 
     def at(self, level: tuple[int, int]) -> None:
         """Make pictures of so many copies and camera samples from here on."""
@@ -109,8 +112,8 @@ class Studio:
         return copies
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
-        """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
-        return Truth(copies, self.outlines, self.alpha == 0, unknown)
+        """The copies with their outlines; nothing is said of pixels that are unknown."""
+        return Truth(copies, self._outlines(copies.mean(0)), self.alpha == 0, unknown)
 
     def right(self) -> Truth:
         """The right picture."""
@@ -414,8 +417,8 @@ def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
         yield name, of_picture(curve)
     yield "shadows missing", lambda: studio.truth(np.where(
         studio.alpha[..., None] > 0, studio.copies(layer="unoccluded"), studio.copies()))
-    yield "surfaces black (as by normals that point inwards)", of_picture(
-        lambda c: c * (1 - studio.alpha[..., None]))
+    yield "surfaces black (as by normals that point inwards)", lambda: studio.truth(
+        studio.copies() * (1 - studio.alpha[..., None]), studio.outlines)
     yield "the film mirrored", flipped(np.s_[:, ::-1])
     yield "the film upside down", flipped((np.s_[::-1],))
     for name, order in CHANNELS.items():
@@ -481,8 +484,9 @@ def _of_a_number(studio: Studio, theirs: Doubles) -> Iterator[tuple[str, Make]]:
         yield ("the map %sturned by %.4g degrees" % (mirrored, 360 * (turn - round(turn))),
                lambda: studio.under(lambda m: _turned(m[:, ::mirror], turn)))
     most = math.log2(studio.map.pixels.max())
-    ev = _fitted(studio, theirs, most - np.arange(1, 9), 1 / 256, lambda m, v: np.minimum(m, 2 ** v))
-    yield "the map cut off at %.4g" % 2 ** ev, lambda: studio.under(lambda m: np.minimum(m, 2 ** ev))
+    end = 2 ** _fitted(studio, theirs, most - np.arange(1, 9), 1 / 256,
+                       lambda m, v: np.minimum(m, 2 ** v))
+    yield "the map cut off at %.4g" % end, lambda: studio.under(lambda m: np.minimum(m, end))
 
 
 def _refined(studio: Studio, open_: list[tuple[str, Make]], theirs: Doubles, noise: float,
