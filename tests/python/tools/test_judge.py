@@ -76,15 +76,22 @@ class Verdicts(unittest.TestCase):
 
 
 class Causes(unittest.TestCase):
-    def search(self, change, name="still-lamps"):
-        """All causes of a picture of 40 x 30 pixels, a third of the work of the kit's 64 x 48."""
+    def studio(self, name="still-lamps"):
+        """Of 40 x 30 pixels, a third of the work of the kit's 64 x 48."""
         light = bis.Envmap(kit.light(name))
         text = kit.text(name).replace('xresolution" 64', 'xresolution" 40').replace(
             'yresolution" 48', 'yresolution" 30')
         studio = causes.Studio(text, light, light)
         self.assertEqual(studio.alpha.shape, (30, 40))
-        theirs = change(studio, lambda **how: np.array([studio.scene.render(
-            seed=100 + SEED + i, spp=3, **how).rgb for i in range(8)], float))
+        return studio
+
+    def pictures(self, studio, **how):
+        return np.array([studio.scene.render(seed=100 + SEED + i, spp=3, **how).rgb
+                         for i in range(8)], float)
+
+    def search(self, change, name="still-lamps"):
+        studio = self.studio(name)
+        theirs = change(studio, lambda **how: self.pictures(studio, **how))
         studio.at(causes.LEVELS[2])
         v = verdict.judge(theirs, studio.right())
         self.assertFalse(v.is_right)
@@ -102,6 +109,17 @@ class Causes(unittest.TestCase):
             return render(light=np.float32(m / rows))
         self.assert_named(self.search(change),
                           "sin(theta) missing in the density (1/sin too much light)")
+
+    def test_a_turn_and_a_cut_are_fitted(self):
+        studio = self.studio()
+        m = studio.map.pixels
+        for coarse, finest, change, value, off in (
+                (np.arange(2, 6) / 32, 1 / 2048, causes._turned, 213 / 2048, 1 / 512),
+                (np.arange(2.0, 5.0), 1 / 64, lambda m, v: np.minimum(m, 2 ** v), 2.9, 0.1)):
+            with self.subTest(value=value):
+                theirs = self.pictures(studio, light=np.ascontiguousarray(change(m, value)))
+                fitted = causes._fitted(studio, theirs, coarse, finest, change)
+                self.assertLess(abs(fitted - value), off)
 
     def test_twice_the_light_is_named_with_all_that_it_may_be(self):
         light = bis.Envmap(kit.light("still-lamps"))

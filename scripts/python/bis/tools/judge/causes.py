@@ -22,7 +22,7 @@ import numpy as np
 from ... import Envmap, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
-from .verdict import ROUNDING, Truth, Verdict, fit, judge, outlines_of
+from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of
 
 LEVELS = ((4, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
 SURE = 0.01  #: the least p of a cause that is named
@@ -78,9 +78,12 @@ class Studio:
         self._quotients: dict[Any, Doubles] = {}
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
         self.alpha = p.alpha.astype(float)
-        self.outlines = outlines_of(p.layers["normal"].astype(float),
-                                    p.layers["depth"].astype(float), self.alpha,
-                                    p.rgb.astype(float))
+        self._shapes = [p.layers[name].astype(float) for name in ("normal", "depth")]
+        self.outlines = self._outlines(p.rgb.astype(float))
+
+    def _outlines(self, rgb: Doubles) -> Flags:
+        """Outlines of shapes, and of lamps that a camera sees in a picture (h, w, 3)."""
+        return outlines_of(*self._shapes, self.alpha, rgb)
 
     def at(self, level: tuple[int, int]) -> None:
         """Make pictures of so many copies and camera samples from here on."""
@@ -109,8 +112,8 @@ class Studio:
         return copies
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
-        """The copies with the outlines of the scene; nothing is said of pixels that are unknown."""
-        return Truth(copies, self.outlines, self.alpha == 0, unknown)
+        """The copies with their outlines; nothing is said of pixels that are unknown."""
+        return Truth(copies, self._outlines(copies.mean(0)), self.alpha == 0, unknown)
 
     def right(self) -> Truth:
         """The right picture."""
@@ -294,7 +297,6 @@ MAPS: dict[str, Callable[[Floats], Any]] = {
     "the right half of the map missing": lambda m: _cut(m, np.s_[:, :m.shape[1] // 2]),
 }
 CHANNELS = {"red and blue": [2, 1, 0], "red and green": [1, 0, 2], "green and blue": [0, 2, 1]}
-CLAMPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 
 # ---- factors ----
 
@@ -415,8 +417,8 @@ def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
         yield name, of_picture(curve)
     yield "shadows missing", lambda: studio.truth(np.where(
         studio.alpha[..., None] > 0, studio.copies(layer="unoccluded"), studio.copies()))
-    yield "surfaces black (as by normals that point inwards)", of_picture(
-        lambda c: c * (1 - studio.alpha[..., None]))
+    yield "surfaces black (as by normals that point inwards)", lambda: studio.truth(
+        studio.copies() * (1 - studio.alpha[..., None]), studio.outlines)
     yield "the film mirrored", flipped(np.s_[:, ::-1])
     yield "the film upside down", flipped((np.s_[::-1],))
     for name, order in CHANNELS.items():
@@ -429,10 +431,6 @@ def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
         maps = dict(MAPS)
         for name, order in CHANNELS.items():
             maps[name + " exchanged in the map"] = lambda m, o=order: m[..., o]
-        brightest = float(studio.map.pixels.max())
-        for most in CLAMPS:
-            if most < brightest:
-                maps["the map cut off at %g" % most] = lambda m, v=most: np.minimum(m, v)
         for name, change in maps.items():
             yield name, lambda c=change: studio.under(c)
     if studio.step == 1:
@@ -440,6 +438,11 @@ def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
             yield name, lambda y=y, x=x: studio.filtered(np.ones(FINE) / FINE, y, x)
         for name, taps in FILTERS.items():
             yield name, lambda t=taps: studio.filtered(t)
+
+
+def _far(verdict: Verdict) -> float:
+    """How far a picture is off, also where all p are 0."""
+    return float(np.mean(verdict.z ** 2))
 
 
 def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
@@ -457,23 +460,33 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
     return Found(name, judge(theirs, truth, rounding), truth)
 
 
-def _best_turn(studio: Studio, theirs: Doubles) -> tuple[str, Make]:
-    """The cause that the map, mirrored or not, is turned by some angle: the best of 32, and then
-    by halves of the step."""
-    def turn(share: float, mirror: int) -> Truth:
-        return studio.under(lambda m: _turned(m[:, ::mirror], share))
-
-    def far(share: float, mirror: int) -> float:
-        return float(np.mean(judge(theirs, turn(share, mirror)).z ** 2))
+def _fitted(studio: Studio, theirs: Doubles, coarse: Doubles, finest: float,
+            change: Callable[[Floats, float], Any]) -> float:
+    """The number with which a change of the map fits best: the best of the coarse ones, and then by
+    halves of their step down to the finest."""
+    def far(value: float) -> float:
+        return _far(judge(theirs, studio.under(lambda m: change(m, value))))
     studio.at(LEVELS[0])
-    _, best, mirror = min((far(k / 32, m), k / 32, m) for k in range(32) for m in (1, -1))
+    best = min(coarse, key=far)
     studio.at(LEVELS[1])
-    least = far(best, mirror)
-    for step in 2.0 ** -np.arange(6, math.log2(TURNS) + 1):
-        least, best = min((least, best), *((far(s, mirror), s) for s in (best - step, best + step)))
-    name = "the map %sturned by %.4g degrees" % ("mirrored and " * (mirror < 0),
-                                                 360 * (best - round(best)))
-    return name, lambda: turn(best, mirror)
+    least, step = far(best), abs(coarse[1] - coarse[0]) / 2
+    while step >= finest:
+        least, best = min((least, best), *((far(v), v) for v in (best - step, best + step)))
+        step /= 2
+    return float(best)
+
+
+def _of_a_number(studio: Studio, theirs: Doubles) -> Iterator[tuple[str, Make]]:
+    """Causes with a number that no list holds: a turn, a value at which the map is cut off."""
+    for mirrored, mirror in (("", 1), ("mirrored and ", -1)):
+        turn = _fitted(studio, theirs, np.arange(32) / 32, 1 / TURNS,
+                       lambda m, v: _turned(m[:, ::mirror], v))
+        yield ("the map %sturned by %.4g degrees" % (mirrored, 360 * (turn - round(turn))),
+               lambda: studio.under(lambda m: _turned(m[:, ::mirror], turn)))
+    most = math.log2(studio.map.pixels.max())
+    end = 2 ** _fitted(studio, theirs, most - np.arange(1, 9), 1 / 256,
+                       lambda m, v: np.minimum(m, 2 ** v))
+    yield "the map cut off at %.4g" % end, lambda: studio.under(lambda m: np.minimum(m, end))
 
 
 def _refined(studio: Studio, open_: list[tuple[str, Make]], theirs: Doubles, noise: float,
@@ -495,12 +508,15 @@ def _refined(studio: Studio, open_: list[tuple[str, Make]], theirs: Doubles, noi
     return found
 
 
-def search(studio: Studio, theirs: Doubles, noise: float,
-           rounding: float = ROUNDING) -> list[Found]:
-    """Hold all causes against pictures (k, h, w, 3) that are wrong, whose tiles have a noise (a
-    share of the mean). The one that fits best comes first. If none fits, a map that is turned by
-    any angle is tried."""
-    found = _refined(studio, list(_all(studio)), theirs, noise, rounding)
-    if studio.map is not None and all(f.verdict.p < SURE for f in found):
-        found += _refined(studio, [_best_turn(studio, theirs)], theirs, noise, rounding)
-    return sorted(found, key=lambda f: -f.verdict.p)
+def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUNDING,
+           among: Optional[set[str]] = None) -> list[Found]:
+    """Hold all causes, or those among some names and factors, against pictures (k, h, w, 3) that
+    are wrong, whose tiles have a noise (a share of the mean). The one that fits best comes first.
+    If none of all fits, those of any number are tried."""
+    open_ = [(name, make) for name, make in _all(studio)
+             if among is None or name in among or name.startswith(FACTOR)]
+    found = _refined(studio, open_, theirs, noise, rounding)
+    if among is None and studio.map is not None and all(f.verdict.p < SURE for f in found):
+        for one in _of_a_number(studio, theirs):
+            found += _refined(studio, [one], theirs, noise, rounding)
+    return sorted(found, key=lambda f: (-f.verdict.p, _far(f.verdict)))

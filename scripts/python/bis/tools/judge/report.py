@@ -20,6 +20,7 @@ from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE,
                      search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
+NEAREST = 6  #: causes that are tried by other conventions if none fits by the first
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
@@ -126,7 +127,8 @@ def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say)
     for like in likes:
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
-        case.causes = search(studio, thin, case.verdict.noise, rounding)
+        near = {f.name for f in case.causes[:NEAREST]} or None
+        case.causes = search(studio, thin, case.verdict.noise, rounding, near) or case.causes
         if case.named:
             break
     if case.named and case.named[0].name in CURVES:
