@@ -325,7 +325,7 @@ static void hidden_seeds_and_sizes_are_the_kits_without_a_secret_alone(void **st
 }
 
 /* tests/course/handed_in/cheats, without the scan that refuses most of them: no claim holds, whatever is done to the
- * process that answers. The page for teachers names each. */
+ * process that answers. The page for teachers has their number. */
 static void no_cheat_is_worth_a_point(void **state)
 {
     (void)state;
@@ -341,8 +341,7 @@ static void no_cheat_is_worth_a_point(void **state)
               "/claims > " DIR "/$c/marks; "
               "awk -F '\t' '$1 != \"wrong\" || length($4) > 600 { exit 1 } END { exit NR != 6 }' " DIR "/$c/marks || "
               "{ echo $c >&2; cat " DIR "/$c/marks >&2; exit 1; }; "
-              "grep -qF '`'${c#*_}'`' docs/assignments/README.md || { echo \"no word of $c\" >&2; exit 1; }; "
-              "n=$((n + 1)); done; test $n -ge 30"),
+              "n=$((n + 1)); done; test $n -ge 30; grep -q \"^$n ways to cheat\" docs/assignments/README.md"),
         0);
     assert_int_equal(shell("grep -q 'no work either: does it wait' " DIR "/*_wait_for_ever/marks && "
                            "grep -q 'a loop without end' " DIR "/*_loop/marks"), 0);
