@@ -18,12 +18,9 @@
 #include "guide.h"
 
 #include "thesis/light_many.h"
-
 #include "thesis/proposal.h"
 
 #include <math.h>
-
-
 
 bis_beyond_needs bis_beyond_needs_of(const bis_settings *s)
 {
@@ -207,12 +204,16 @@ static void chosen(bis_guide *guide, bis_set *set)
     }
 }
 
-/* Not under a mirror's lobe alone: it sees few clusters, which the marks divide well enough. */
+/* Is V's mean known, and of use? Not under a mirror's lobe, for which the BRDF draws beside the map: it sees few
+ * clusters, which the marks divide well enough. */
+static bool knows(const bis_guide *guide, const bis_set *set)
+{
+    return ((const bis_product_guide *)guide)->guess.knows && !(set->map.n && set->brdf.n);
+}
+
 static bool has_control(const bis_guide *guide, const bis_set *set, const bis_point *pt)
 {
-    const bis_product_guide *g = (const bis_product_guide *)guide;
-
-    return g->guess.knows && !(set->map.n && set->brdf.n) && !rgb_is_black(pt->bsdf.material->Kd);
+    return knows(guide, set) && !rgb_is_black(pt->bsdf.material->Kd);
 }
 
 /* With A = sum w g/h, which is M times the light that is expected, N marks leave a relative squared error of
@@ -227,7 +228,7 @@ static uint32_t rays(const bis_guide *guide, const bis_set *set, const bis_point
     const double unit = 3.5;
     double A = 0, B = 0;
 
-    if (!g->guess.knows || (set->map.n && set->brdf.n)) return N; /* nor under a mirror's lobe: see has_control */
+    if (!knows(guide, set)) return N;
     for (uint32_t i = 0; i < set->choice.n; i++) {
         const double w = (double)set->choice.w[i];
         A += w * (double)g->guess.control[set->part[i]];

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* clusters, product, visibility: candidates from where light and BRDF can both be large, and where earlier passes saw
  * the light. Family-wise significance 1e-3 over all statistical tests here. */
-#include "beyond/guide.h"
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
 #include "claim.h"
-#include "lit.h"
+#include "guided.h"
 #include "set_help.h"
 #include "thesis/proposal.h"
 
@@ -267,39 +266,16 @@ static void reach_bounds_the_product_over_every_cluster(void **state)
 
 /* ---- the estimate ---- */
 
-/* What one thread has, and what all share. */
-typedef struct workspace {
-    bis_clusters c;
-    bis_visibility v;
-    bis_product_guide guide;
-    bis_scratch scratch;
-} workspace;
-
 /* learned: any positive h of a cell and of a square, any mean. */
 static void open_workspace(workspace *w, const bis_light *light, const bis_settings *s, bool learned)
 {
-    *w = (workspace){.v = {.n_tiles = 0}};
-    assert_true(bis_beyond_needs_of(s).clusters);
-    assert_int_equal(bis_clusters_init(&w->c, light, s->candidates, NULL), BIS_OK);
-    if (learned) assert_int_equal(bis_visibility_init(&w->v, 1, 0, 1, NULL), BIS_OK);
-    assert_int_equal(bis_product_guide_init(&w->guide, &w->c, learned ? &w->v : NULL, NULL), BIS_OK);
-    bis_product_guide_look(&w->guide, 0);
+    guided_open(w, light, s, learned);
     w->guide.guess.knows = w->guide.guess.has_square = learned;
     for (uint32_t k = 0; learned && k < w->c.n; k++) {
         w->guide.guess.own[k] = k % 3 ? 0.15f : 1;
         w->guide.guess.of_square[k] = k % 7 ? 0.02f : 0.9f;
         w->guide.guess.g[k] = w->guide.guess.own[k] * (k % 5 ? 0.3f : 1.5f); /* N up to thrice, from point to point */
     }
-    assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
-    bis_scratch_share(&w->scratch, NULL, &w->guide.steps);
-}
-
-static void close_workspace(workspace *w)
-{
-    bis_scratch_clear(&w->scratch);
-    bis_product_guide_clear(&w->guide);
-    bis_visibility_clear(&w->v);
-    bis_clusters_clear(&w->c);
 }
 
 /* As test_pool's: several points share the directions of a pass, more of them where candidates are few; their mean is
@@ -324,7 +300,7 @@ static void run(stat_moments m[4], lit *l, const bis_settings *s, bool learned, 
         stat_add(&m[2], sum.b);
         stat_add(&m[3], rgbd_sum(sum));
     }
-    close_workspace(&w);
+    guided_close(&w);
 }
 
 static bis_settings product(uint32_t M, uint32_t N, bool learn)
@@ -380,7 +356,7 @@ static void the_brdf_has_its_share_of_the_candidates(void **state)
         by_bounds += of_bounds > of_lobe && n > 1;
         by_lobe += of_bounds < of_lobe && n > 1;
         some += narrow.n_brdf > 1;
-        close_workspace(&w);
+        guided_close(&w);
         bis_light_free(light);
     }
     assert_true(by_bounds > 10 && by_lobe > 10 && some > 10);
@@ -407,9 +383,9 @@ static void a_used_workspace_gives_the_bits_of_a_new_one(void **state)
             bis_clusters_fill(&fresh.c, light, SEED, 0, 1);
             const rgb a = lit_once(&l, &s, &used.scratch, SEED, k), b = lit_once(&l, &s, &fresh.scratch, SEED, k);
             assert_memory_equal(&a, &b, sizeof a);
-            close_workspace(&fresh);
+            guided_close(&fresh);
         }
-        close_workspace(&used);
+        guided_close(&used);
     }
     bis_light_free(light);
 }
@@ -465,7 +441,7 @@ static void candidates_have_the_density_that_they_say(void **state)
         bis_free(observed);
         bis_free(expected);
         bis_free(even);
-        close_workspace(&w);
+        guided_close(&w);
     }
     bis_light_free(light);
 }
@@ -932,7 +908,7 @@ static void control_of_1_leaves_no_noise_to_the_choice(void **state)
             }
             w.guide.guess.knows = known;
             L[known][i] = lit_once(&l, &s[i], &w.scratch, SEED, 3);
-            close_workspace(&w);
+            guided_close(&w);
         }
     }
     assert_true(fabsf(L[0][0].r / L[0][1].r - 1) > 1e-3f);
@@ -977,7 +953,7 @@ static void more_rays_are_cast_where_less_is_known(void **state)
         bis_set_choose(x, BIS_MORE_RAYS * s.shadowrays, s.resampling, &stream);
         assert_true(x->choice.n_chosen <= x->y.room);
     }
-    close_workspace(&w);
+    guided_close(&w);
     bis_light_free(light);
 }
 
@@ -1041,7 +1017,7 @@ static void any_number_of_rays_has_the_mean_of_the_candidates(void **state)
         twins += fabs(of_twin / truth - 1) / SETS;
     }
     assert_true(fewest < s.shadowrays && most > 2 * s.shadowrays && twins > 1e-2);
-    close_workspace(&w);
+    guided_close(&w);
     bis_light_free(light);
 }
 
@@ -1068,7 +1044,7 @@ static void rays_are_counted_and_V_1_of_a_layer_is_not_learned_from(void **state
         assert_int_equal(rays, learns ? l.counters.shadow_rays : 0);
         assert_true(learns ? seen > rays / 10 && seen < rays : seen == 0);
     }
-    close_workspace(&w);
+    guided_close(&w);
     bis_light_free(light);
 }
 
@@ -1086,7 +1062,7 @@ static void without_a_cluster_in_reach_the_estimate_is_black(void **state)
     assert_true(rgb_sum(lit_once(&l, &s, &w.scratch, SEED, 3)) > 0);
     for (uint32_t k = 0; k < w.c.n; k++) w.c.cone.r[k] = w.c.cone.g[k] = w.c.cone.b[k] = 0;
     assert_true(rgb_is_black(lit_once(&l, &s, &w.scratch, SEED, 3)));
-    close_workspace(&w);
+    guided_close(&w);
     bis_light_free(light);
 }
 

@@ -3,10 +3,9 @@
  * right or wrong, against brute force without portals. Family-wise significance 1e-3. */
 #include "bis/base/mem.h"
 #include "bis/thesis/phong.h"
-#include "beyond/guide.h"
 
 #include "claim.h"
-#include "lit.h"
+#include "guided.h"
 
 #define SEED 41u
 
@@ -130,21 +129,10 @@ static const struct {
     {"none", 0, {{{0}, {{0}, {0}}}}},
 };
 
-typedef struct workspace {
-    bis_clusters c;
-    bis_visibility v;
-    bis_product_guide guide;
-    bis_scratch scratch;
-} workspace;
-
 /* Any positive h, any mean, dark or not: the estimate must not depend on what was learned. */
 static void open_workspace(workspace *w, const bis_light *light, const bis_settings *s, bool is_dark)
 {
-    *w = (workspace){.v = {.n_tiles = 0}};
-    assert_int_equal(bis_clusters_init(&w->c, light, s->candidates, NULL), BIS_OK);
-    assert_int_equal(bis_visibility_init(&w->v, 1, 0, 1, NULL), BIS_OK);
-    assert_int_equal(bis_product_guide_init(&w->guide, &w->c, &w->v, NULL), BIS_OK);
-    bis_product_guide_look(&w->guide, 0);
+    guided_open(w, light, s, true);
     bis_visibility_guess *f = &w->guide.guess;
     f->knows = true;
     f->is_dark = is_dark;
@@ -152,16 +140,6 @@ static void open_workspace(workspace *w, const bis_light *light, const bis_setti
         f->own[k] = f->h[k] = k % 3 ? 0.3f : 1;
         f->g[k] = f->control[k] = k % 5 ? 0.3f : 0.9f;
     }
-    assert_int_equal(bis_scratch_init(&w->scratch, s, NULL), BIS_OK);
-    bis_scratch_share(&w->scratch, NULL, &w->guide.steps);
-}
-
-static void close_workspace(workspace *w)
-{
-    bis_scratch_clear(&w->scratch);
-    bis_product_guide_clear(&w->guide);
-    bis_visibility_clear(&w->v);
-    bis_clusters_clear(&w->c);
 }
 
 /* Twin: portals draw, and q is that of the product alone. */
@@ -192,7 +170,7 @@ static void run(stat_moments *m, lit *l, const bis_settings *s, bool is_dark, bo
         for (uint64_t k = 0; k < 60; k++) sum += rgb_sum(lit_once(l, s, &w.scratch, SEED, fill * 60 + k)) / 60;
         stat_add(m, sum);
     }
-    close_workspace(&w);
+    guided_close(&w);
 }
 
 static void any_portal_leaves_the_mean_where_it_is(void **state)
