@@ -68,6 +68,14 @@ static inline BIS_INLINE void sincos4(double r, double *sine, double *cosine)
     *cosine = 1 - 2 * s2 * s2;
 }
 
+/* The direction a along one edge, b along the other, and c towards the plane. */
+static inline BIS_INLINE void put(const bis_lanes *x, uint32_t i, const bis_portal_view *v, double a, double b, double c)
+{
+    x->x[i] = (float)(a * v->axis[0][0] + b * v->axis[1][0] + c * v->axis[2][0]);
+    x->y[i] = (float)(a * v->axis[0][1] + b * v->axis[1][1] + c * v->axis[2][1]);
+    x->z[i] = (float)(a * v->axis[0][2] + b * v->axis[1][2] + c * v->axis[2][2]);
+}
+
 BIS_LANES
 static void sample_arcs(const bis_lanes *x, const bis_portal_view *view, const float *u1, const float *u2, uint32_t n)
 {
@@ -85,26 +93,19 @@ static void sample_arcs(const bis_lanes *x, const bis_portal_view *view, const f
         const double near_end = far > v.low[0] ? far : v.low[0]; /* it may be beyond by some ulps */
         const double a = near_end < v.high[0] ? near_end : v.high[0], d2 = a * a + zz;
         const double h0 = y0 / sqrt(d2 + y0 * y0), h1 = y1 / sqrt(d2 + y1 * y1), h = h0 + (double)u2[i] * (h1 - h0);
-        const double k = sqrt((1 - h * h) / d2), ka = k * a, kz = k * v.z; /* |h| < 1, because z > 0 */
-        l.x[i] = (float)(ka * v.axis[0][0] + h * v.axis[1][0] + kz * v.axis[2][0]);
-        l.y[i] = (float)(ka * v.axis[0][1] + h * v.axis[1][1] + kz * v.axis[2][1]);
-        l.z[i] = (float)(ka * v.axis[0][2] + h * v.axis[1][2] + kz * v.axis[2][2]);
+        const double k = sqrt((1 - h * h) / d2); /* |h| < 1, because z > 0 */
+        put(&l, i, &v, k * a, h, k * v.z);
     }
 }
 
 void bis_portal_sample(const bis_lanes *x, const bis_portal_view *v, const float *u1, const float *u2, uint32_t n)
 {
-    if (!v->by_area) {
-        sample_arcs(x, v, u1, u2, n);
-        return;
-    }
-    for (uint32_t i = 0; i < n; i++) {
+    if (!v->by_area) sample_arcs(x, v, u1, u2, n);
+    for (uint32_t i = 0; i < n && v->by_area; i++) {
         const double a = v->low[0] + (double)u1[i] * (v->high[0] - v->low[0]);
         const double b = v->low[1] + (double)u2[i] * (v->high[1] - v->low[1]);
         const double k = 1 / sqrt(a * a + b * b + v->z * v->z);
-        x->x[i] = (float)(k * (a * v->axis[0][0] + b * v->axis[1][0] + v->z * v->axis[2][0]));
-        x->y[i] = (float)(k * (a * v->axis[0][1] + b * v->axis[1][1] + v->z * v->axis[2][1]));
-        x->z[i] = (float)(k * (a * v->axis[0][2] + b * v->axis[1][2] + v->z * v->axis[2][2]));
+        put(x, i, v, k * a, k * b, k * v->z);
     }
 }
 
