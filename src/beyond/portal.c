@@ -69,7 +69,8 @@ static inline BIS_INLINE void sincos4(double r, double *sine, double *cosine)
 }
 
 /* The direction a along one edge, b along the other, and c towards the plane. */
-static inline BIS_INLINE void put(const bis_lanes *x, uint32_t i, const bis_portal_view *v, double a, double b, double c)
+static inline BIS_INLINE void put(const bis_lanes *x, uint32_t i, const bis_portal_view *v, double a, double b,
+                                  double c)
 {
     x->x[i] = (float)(a * v->axis[0][0] + b * v->axis[1][0] + c * v->axis[2][0]);
     x->y[i] = (float)(a * v->axis[0][1] + b * v->axis[1][1] + c * v->axis[2][1]);
