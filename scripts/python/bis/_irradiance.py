@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""How much light of a map arrives: irradiance for any normal, and spherical harmonics.
+"""How much light of a map arrives: irradiance for any normal, spherical harmonics, and irradiance at
+points of a scene.
 
-Nothing hides a point here. A pixel has one radiance all over, so the integral over a circle of
+But at points of a scene nothing hides a point here. A pixel has one radiance all over, so the integral over a circle of
 latitude is a difference of running sums. Over the latitudes it is taken by Gauss and Legendre.
 """
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ._library import Doubles, Error, array
 
 if TYPE_CHECKING:
+    from ._render import Scene
     from ._sampling import Envmap
 
 #: World axes of programs that show a lat-long picture as `bis` shows it: the rows give their x, y
@@ -117,6 +119,84 @@ def _moments(pixels: Doubles) -> Doubles:
     down = np.einsum("iht,jht,ht->ijh", *2 * (np.stack((one, sin, sin, cos)),), weight * sin)
     return np.einsum("ijh,ijhc->ijc", down, rows[np.ix_(which, which)])
 
+
+# ---- points of a scene ----
+
+SQUARE = 64  #: pixels; points on a film lie in squares of this side, in each along a curve
+BITS = 10  #: of a coordinate, along the curve
+#: What coordinates of six digits may be off, of the largest coordinate: so far points are lifted.
+LIFT = 2e-6
+
+
+class Arriving(NamedTuple):
+    """Irradiance at points.
+
+    Parameters
+    ----------
+    E : array (n, 3)
+        The integral of radiance times cosine times visibility.
+    interval : array (n, 3)
+        The half-width of its 95 % interval; NaN where too little is known.
+    stats : dict
+        What `--stats` tells of the render.
+    """
+
+    E: Doubles
+    interval: Doubles
+    stats: dict[str, Any]
+
+
+def _spread(k: NDArray[np.int64], step: int) -> NDArray[np.int64]:
+    """Bit i of k moves to bit i step."""
+    bits = (k[..., None] >> np.arange(BITS)) & 1
+    return (bits << (step * np.arange(BITS))).sum(-1)
+
+
+def _gathered(k: NDArray[np.int64], first: int) -> NDArray[np.int64]:
+    """Every second bit of k, from the first on."""
+    bits = (k[..., None] >> (first + 2 * np.arange(BITS))) & 1
+    return (bits << np.arange(BITS)).sum(-1)
+
+
+def _order(p: Doubles, n: Doubles) -> NDArray[np.intp]:
+    """Points that look the same way, along a curve through space: neighbours learn together."""
+    low = p.min(0)
+    size = max(float((p.max(0) - low).max()), np.finfo(float).tiny)
+    cell = ((p - low) / size * ((1 << BITS) - 1)).astype(np.int64)
+    curve = sum(_spread(cell[:, k], 3) << k for k in range(3))
+    looks = (n > 0) @ np.array((1, 2, 4))
+    return np.lexsort((curve, looks))
+
+
+def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optional[float],
+              **settings: Any) -> Arriving:
+    """See `Scene.irradiance`."""
+    p, n = (array(a, 3, np.float64, name) for a, name in ((points, "points"), (normals, "normals")))
+    if p.shape != n.shape or not len(p):
+        raise Error("%d points have %d normals: give one to each" % (len(p), len(n)))
+    length = np.linalg.norm(n, axis=1, keepdims=True)
+    if lift is None:
+        lift = LIFT * float(abs(p).max())
+    order = _order(p, n)
+    side = SQUARE
+    while side > 1 and side * side >= 4 * len(p):
+        side //= 2
+    rows = side * -(-len(p) // (side * side))
+    k = np.arange(rows * side)
+    y, x = k // (side * side) * side + _gathered(k % (side * side), 1), _gathered(k % (side * side), 0)
+    place = np.empty((rows, side), np.intp)
+    place[y, x] = order[np.minimum(k, len(p) - 1)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lifted = p + n / length * lift
+    picture = scene._of_points(lifted[place].astype(np.float32), n[place].astype(np.float32), settings)
+    E, interval = np.full((2, len(p), 3), np.nan)
+    E[place] = np.pi * picture.rgb
+    if "interval" in picture.layers:  # one pass tells none
+        interval[place] = np.pi * picture.layers["interval"]
+    return Arriving(E, interval, picture.stats)
+
+
+# ---- harmonics ----
 
 class Harmonics(NamedTuple):
     """Nine coefficients of a map, and what they get wrong.
