@@ -61,10 +61,10 @@ COMMAND = Command(
     ],
     1, 1,
     "Without --convention directions are in the map's own frame: z is up, towards\n"
-    "row 0; theta is the angle from it, phi runs with the columns. Levels are equal steps of the\n"
-    "logarithm of r+g+b, regions are connected pixels of one level, a light\n"
-    "source each. On the pictures brighter is more; the importance is the\n"
-    "density by which directions are drawn, on a logarithmic scale.\n")
+    "row 0; theta is the angle from it, phi runs with the columns. Levels are\n"
+    "equal steps of the logarithm of r+g+b, regions are connected pixels of one\n"
+    "level, a light source each. On the pictures brighter is more; the importance\n"
+    "is the density by which directions are drawn, on a logarithmic scale.\n")
 
 
 # ---- the report ----
