@@ -126,6 +126,7 @@ SQUARE = 64  #: pixels; points on a film lie in squares of this side, in each al
 BITS = 10  #: of a coordinate, along the curve
 #: What coordinates of six digits may be off, of the largest coordinate: so far points are lifted.
 LIFT = 2e-6
+DARK = 0.05  #: where less than this of the light arrives, intervals miss too often
 
 
 class Arriving(NamedTuple):
@@ -136,7 +137,8 @@ class Arriving(NamedTuple):
     E : array (n, 3)
         The integral of radiance times cosine times visibility.
     interval : array (n, 3)
-        The half-width of its 95 % interval; NaN where too little is known.
+        The half-width of its 95 % interval; NaN where less than 5 % of the light arrives, and
+        after one pass.
     stats : dict
         What `--stats` tells of the render.
     """
@@ -174,9 +176,14 @@ def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optiona
     p, n = (array(a, 3, np.float64, name) for a, name in ((points, "points"), (normals, "normals")))
     if p.shape != n.shape or not len(p):
         raise Error("%d points have %d normals: give one to each" % (len(p), len(n)))
-    length = np.linalg.norm(n, axis=1, keepdims=True)
     if lift is None:
-        lift = LIFT * float(abs(p).max())
+        lift = LIFT * float(abs(p[np.isfinite(p)]).max(initial=0))
+    with np.errstate(all="ignore"):
+        n = n / np.linalg.norm(n, axis=1, keepdims=True)
+        lifted = (p + n * lift).astype(np.float32)
+    bad = ~np.isfinite(lifted + n).all(1)
+    if bad.any():
+        raise Error("point %d: give finite numbers, and a normal that is not 0" % np.argmax(bad))
     order = _order(p, n)
     side = SQUARE
     while side > 1 and side * side >= 4 * len(p):
@@ -186,13 +193,12 @@ def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optiona
     y, x = k // (side * side) * side + _gathered(k % (side * side), 1), _gathered(k % (side * side), 0)
     place = np.empty((rows, side), np.intp)
     place[y, x] = order[np.minimum(k, len(p) - 1)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        lifted = p + n / length * lift
-    picture = scene._of_points(lifted[place].astype(np.float32), n[place].astype(np.float32), settings)
+    picture = scene._of_points(lifted[place], n[place].astype(np.float32), settings)
     E, interval = np.full((2, len(p), 3), np.nan)
     E[place] = np.pi * picture.rgb
     if "interval" in picture.layers:  # one pass tells none
-        interval[place] = np.pi * picture.layers["interval"]
+        dark = picture.rgb.sum(2) < DARK * picture.layers["unoccluded"].sum(2)
+        interval[place] = np.where(dark[..., None], np.nan, np.pi * picture.layers["interval"])
     return Arriving(E, interval, picture.stats)
 
 
