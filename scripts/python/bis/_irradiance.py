@@ -101,7 +101,7 @@ def irradiance(light: Envmap, normals: ArrayLike) -> Doubles:
     n = array(normals, 3, np.float64, "normals")
     length = np.linalg.norm(n, axis=1, keepdims=True)
     if not ((length > 0) & np.isfinite(length)).all():
-        raise Error("normals holds one of length 0, or that is not finite: give directions")
+        raise Error("error: normals holds one of length 0, or that is not finite: give directions")
     return arriving(light.pixels.astype(np.float64), n / length)
 
 
@@ -183,7 +183,8 @@ def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optiona
         lifted = (p + n * lift).astype(np.float32)
     bad = ~np.isfinite(lifted + n).all(1)
     if bad.any():
-        raise Error("point %d: give finite numbers, and a normal that is not 0" % np.argmax(bad))
+        raise Error("error: point %d: give finite numbers, and a normal that is not 0"
+                    % np.argmax(bad))
     order = _order(p, n)
     side = SQUARE
     while side > 1 and side * side >= 4 * len(p):
