@@ -4,12 +4,14 @@ closed form."""
 import os
 import sys
 import unittest
+import unittest.mock
 
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
+from bis import _irradiance  # noqa: E402
 
 COLOUR = np.array([1, 2, 4])
 
@@ -52,6 +54,12 @@ class Irradiance(unittest.TestCase):
         one[3, 13] = True
         np.testing.assert_allclose(lit(one).irradiance(n), lit(np.roll(one, 5, 1)).irradiance(there), atol=1e-9)
 
+    def test_in_blocks_of_rows(self):
+        light, n = bis.Envmap(np.random.default_rng(4).random((16, 32, 3))), normals(20, 5)
+        whole = light.irradiance(n)
+        with unittest.mock.patch.object(_irradiance, "CELLS", 32 * 5):
+            np.testing.assert_allclose(light.irradiance(n), whole)
+
     def test_what_is_no_direction_is_refused(self):
         for wrong in ([[0, 0, 0]], [[np.nan, 0, 1]], [1, 2]):
             with self.assertRaises((bis.Error, TypeError)):
@@ -59,6 +67,12 @@ class Irradiance(unittest.TestCase):
 
 
 class Harmonics(unittest.TestCase):
+    def test_of_few_pixels(self):
+        for size in ((1, 2), (1, 3), (2, 3), (17, 40)):
+            h = lit(np.ones(size)).harmonics()
+            np.testing.assert_allclose(h.radiance[0], 2 * np.sqrt(np.pi) * COLOUR, err_msg=size)
+            np.testing.assert_allclose(h.radiance[1:], 0, atol=1e-6, err_msg=size)
+
     def test_of_a_constant_map_and_a_hemisphere(self):
         h = lit(np.ones((16, 32))).harmonics()
         np.testing.assert_allclose(h.radiance[0], 2 * np.sqrt(np.pi) * COLOUR)

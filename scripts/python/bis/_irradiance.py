@@ -28,9 +28,10 @@ FRAMES = {
     "unity": ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
 }
 NODES = 3  #: of Gauss and Legendre in a row, at least
+SMALL = 16  #: rows or columns: where there are fewer, more nodes
 LATITUDES = 1024  #: of the whole map, at least: where a horizon begins, the integrand has a bend
 NORMALS = 1000  #: over which the error of harmonics is told
-CELLS = 1 << 20  #: latitudes times normals at once
+CELLS = 1 << 20  #: latitudes times normals at once, and pixels
 WIDEST = 1024  #: columns that the error of harmonics needs: E hardly sees a texel
 
 _BANDS = np.repeat((0, 1, 2), (1, 3, 5))
@@ -73,12 +74,9 @@ class _Circles:
         return self.before[row, k] + inside + turns[..., None, None] * self.before[row, -1]
 
 
-def arriving(pixels: Doubles, normals: Doubles) -> Doubles:
-    """The irradiance from pixels (h, w, colours) at unit normals (n, 3): (n, colours)."""
-    height = len(pixels)
-    nodes = max(NODES, -(-LATITUDES // height))
-    theta, weight = (a.ravel() for a in _latitudes(height, nodes))
-    row = np.repeat(np.arange(height), nodes)
+def _from_rows(pixels: Doubles, theta: Doubles, weight: Doubles, normals: Doubles) -> Doubles:
+    """What arrives from rows, of which each has so many of the latitudes theta."""
+    row = np.repeat(np.arange(len(pixels)), len(theta) // len(pixels))
     circles = _Circles(pixels)
     sin, cos = np.sin(theta), np.cos(theta)
     E = np.empty((len(normals), pixels.shape[2]))
@@ -96,20 +94,33 @@ def arriving(pixels: Doubles, normals: Doubles) -> Doubles:
     return E
 
 
+def arriving(pixels: NDArray[Any], normals: Doubles) -> Doubles:
+    """The irradiance from pixels (h, w, colours) at unit normals (n, 3): (n, colours)."""
+    height, width, colours = pixels.shape
+    theta, weight = _latitudes(height, max(NODES, -(-LATITUDES // height)))
+    E = np.zeros((len(normals), colours))
+    rows = max(CELLS // width, 1)
+    for y in range(0, height, rows):
+        some = slice(y, y + rows)
+        E += _from_rows(pixels[some].astype(np.float64), theta[some].ravel(), weight[some].ravel(),
+                        normals)
+    return E
+
+
 def irradiance(light: Envmap, normals: ArrayLike) -> Doubles:
     """See `Envmap.irradiance`."""
     n = array(normals, 3, np.float64, "normals")
     length = np.linalg.norm(n, axis=1, keepdims=True)
     if not ((length > 0) & np.isfinite(length)).all():
         raise Error("error: normals holds one of length 0, or that is not finite: give directions")
-    return arriving(light.pixels.astype(np.float64), n / length)
+    return arriving(light.pixels, n / length)
 
 
 def _moments(pixels: Doubles) -> Doubles:
     """The integrals of L v v^T for v = (1, x, y, z), (4, 4, colours): all polynomials of degree 2."""
     height, width = pixels.shape[:2]
-    theta, weight = _latitudes(height, NODES)
-    x, share = np.polynomial.legendre.leggauss(NODES)
+    theta, weight = _latitudes(height, NODES + SMALL // height)
+    x, share = np.polynomial.legendre.leggauss(NODES + SMALL // width)
     phi = (np.arange(width)[:, None] + (x + 1) / 2) * (2 * np.pi / width)
     sin, cos, one = np.sin(theta), np.cos(theta), np.ones_like(theta)
     along = np.stack((np.ones_like(phi), np.cos(phi), np.sin(phi)))  # of 1 and z, x, y
