@@ -109,8 +109,9 @@ bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d
         return bis_flat_refuse(diag, "points stand in the place of pixels: leave width, height, crop, step and camera "
                                "out");
     if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
-    return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the %s", d->view.camera.points
-                           ? "points: open the scene with accelerator=grid" : "camera: open the scene with this camera");
+    return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the %s",
+                           d->view.camera.points ? "points: open the scene with accelerator=grid"
+                                                 : "camera: open the scene with this camera");
 }
 
 /* ---- points ---- */
