@@ -18,9 +18,17 @@ static inline bool lit_is_hidden(lit_hidden hidden, double y)
     return hidden == LIT_ALL || (hidden == LIT_HALF && y > 0);
 }
 
+/* Where the first shadow rays went. */
+enum { LIT_RAYS = 4 };
+typedef struct lit_rays {
+    uint32_t n;
+    vec3 to[LIT_RAYS];
+} lit_rays;
+
 typedef struct lit_accel {
     bis_accel accel; /* first: what bis_accel_occluded sees */
     lit_hidden hidden;
+    lit_rays *rays;  /* NULL: nobody wants to know */
 } lit_accel;
 
 typedef struct lit {

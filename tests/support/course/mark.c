@@ -101,6 +101,7 @@ void mark_mean(const stat_moments *m, double expected, double alpha, const char 
 ask_scene mark_scene(lit_map map, bis_material m, lit_hidden hidden, int integrator, const bis_settings *s)
 {
     ask_scene scene = {.map = map,
+                       .scale = 1,
                        .material = m,
                        .n = normalize(vec3_from(0.2, -0.3, 0.8)),
                        .degrees = 40,
