@@ -17,7 +17,7 @@ static void freshen(ask_scene *scene)
     double *u = mark_uniforms(7, mark_seed(31), (uint64_t)scene->map);
     bis_material *m = &scene->material;
 
-    scene->scale = 0.5 + u[0];
+    scene->scale = 2 + u[0]; /* no unit of anything is near to 1 */
     scene->area_exponent = 0.3 * u[1];
     m->Kd = rgb_scale(m->Kd, 0.5 + 0.5 * u[2]);
     m->Ks = rgb_scale(m->Ks, 0.5 + 0.5 * u[3]);
@@ -62,7 +62,8 @@ void replay_ask(replay *r, const ask_scene *scene, const bis_integrator *ours, u
     for (uint32_t k = 0; k < r->n; k++) {
         r->run[k] = is_graded && runs > n ? mark_mix(mark_secret() + k) % runs : k;
         r->mine[k] = e[r->run[k]];
-        r->must[k].L = rgb_from(recorded[k] / 3, recorded[k] / 3, recorded[k] / 3);
+        const double third = recorded ? recorded[k] / 3 : 0;
+        r->must[k].L = rgb_from(third, third, third);
     }
     bis_free(e);
     if (is_graded || records) {
@@ -71,7 +72,9 @@ void replay_ask(replay *r, const ask_scene *scene, const bis_integrator *ours, u
         make(r->must, r, &s);
     }
     for (uint32_t k = 0; records && k < r->n; k++)
-        printf("%s%.7g%s", k ? ", " : "{", rgb_sum(r->must[k].L), k + 1 < r->n ? "" : "}\n");
+        printf("%s%.6g%s", k ? ", " : "{", rgb_sum(r->must[k].L), k + 1 < r->n ? "" : "}, accepted: ");
+    for (uint32_t k = 0; records && k < r->n; k++)
+        printf("%u%s", (unsigned)r->must[k].accepted, k + 1 < r->n ? "" : "\n");
 }
 
 /* ---- near ---- */
