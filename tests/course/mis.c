@@ -10,8 +10,8 @@
 
 #include "bis/base/mem.h"
 
-static const char *const hint = "Each sample is worth F/(n_i q_i) times its weight. The weights contain the counts n_i, "
-    "and at every direction the two sum to 1.";
+static const char *const hint = "Each sample is worth F/(n_i q_i) times its weight. The weights contain the counts "
+    "n_i, and at every direction the two sum to 1.";
 static const char *const drawn_by = "em.c and brdf.c";
 
 typedef struct mis_case {

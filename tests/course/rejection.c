@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Acceptance, and
- * estimates of one candidate, are replayed (replay.h); estimates of more are compared with brute force, and their rays
- * counted (tests/support/lit.h), so that who accepts wrongly loses no points for what comes after. Statistical tests:
- * 14. */
+/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Acceptance,
+ * and estimates of one candidate, are replayed (replay.h); estimates of more are compared with brute force, and their
+ * rays counted (tests/support/lit.h), so that who accepts wrongly loses no points for what comes after. Statistical
+ * tests: 14. */
 #include "replay.h"
 
 #include "bis/base/mem.h"
@@ -24,8 +24,8 @@ static ask_scene scene_of(bis_material m, lit_hidden hidden, const bis_settings 
     return mark_scene(LIT_SMOOTH, m, hidden, ASK_REJECTION, s);
 }
 
-/* How many of M are accepted in each estimate: their random numbers decide it. recorded: in the kit's first ones, a digit
- * each. */
+/* How many of M are accepted in each estimate: their random numbers decide it. recorded: in the kit's first ones, a
+ * digit each. */
 static void ask_accepted(replay *r, const bis_settings *s, const char *recorded, const char *what, const char *why)
 {
     const ask_scene scene = scene_of(shiny(), LIT_OPEN, s);
@@ -42,8 +42,8 @@ static void ask_accepted(replay *r, const bis_settings *s, const char *recorded,
         first = k;
     }
     if (wrong > r->n / 100) {
-        mark_wrong("%s: estimate %u accepts %u of %u candidates, must accept %u by its random numbers; in the mean of %u "
-                   "estimates it is %.3g, must be %.3g. %s", what, (unsigned)r->run[first],
+        mark_wrong("%s: estimate %u accepts %u of %u candidates, must accept %u by its random numbers; in the mean of "
+                   "%u estimates it is %.3g, must be %.3g. %s", what, (unsigned)r->run[first],
                    (unsigned)r->mine[first].accepted, s->candidates, (unsigned)r->must[first].accepted, r->n, mine,
                    must, why);
     }

@@ -11,12 +11,12 @@
 
 static const double tolerance = 1e-4;
 
-/* Another light, material, normal and eye of the same kind. */
-static void freshen(ask_scene *scene)
+void replay_freshen(ask_scene *scene)
 {
-    double *u = mark_uniforms(7, mark_seed(31), (uint64_t)scene->map);
     bis_material *m = &scene->material;
 
+    if (!mark_secret()) return;
+    double *u = mark_uniforms(7, mark_seed(31), (uint64_t)scene->map);
     scene->scale = 2 + u[0]; /* no unit of anything is near to 1 */
     scene->area_exponent = 0.3 * u[1];
     m->Kd = rgb_scale(m->Kd, 0.5 + 0.5 * u[2]);
@@ -57,7 +57,7 @@ void replay_ask(replay *r, const ask_scene *scene, const bis_integrator *ours, u
 
     *r = (replay){.scene = *scene, .n = n < runs ? n : runs, .knows_rays = is_graded, .knows_sum_only = !is_graded};
     r->scene.seed = mark_seed(32);
-    if (is_graded) freshen(&r->scene);
+    replay_freshen(&r->scene);
     ask_estimate *e = mark_run(&r->scene, runs, r->scene.seed);
     for (uint32_t k = 0; k < r->n; k++) {
         r->run[k] = is_graded && runs > n ? mark_mix(mark_secret() + k) % runs : k;
@@ -121,8 +121,8 @@ static void check_rays(const replay *r, uint32_t k, const char *what, const char
         const vec3 a = mine->first.to[j], b = must->first.to[j];
         if (length(sub(a, b)) < 1e-4) continue;
         mark_wrong("%s: your directions are not those of %s; the first that differs is that of shadow ray %u in "
-                   "estimate %u: it goes to (%.4f %.4f %.4f), must go to (%.4f %.4f %.4f). The handout says by what and "
-                   "in which order they are drawn", what, drawn, j + 1, (unsigned)r->run[k], (double)a.x, (double)a.y,
+                   "estimate %u: it goes to (%.4f %.4f %.4f), must go to (%.4f %.4f %.4f). The handout says by what "
+                   "and in which order they are drawn", what, drawn, j + 1, (unsigned)r->run[k], (double)a.x, (double)a.y,
                    (double)a.z, (double)b.x, (double)b.y, (double)b.z);
     }
     if (mine->rays != must->rays) {
@@ -152,7 +152,7 @@ void replay_check(const replay *r, const char *what, const char *drawn, const ch
     if (r->knows_rays) check_rays(r, k, what, drawn);
     const double mine = sum_of(r->mine, r->n), must = sum_of(r->must, r->n), factor = factor_of_all(r);
     if (factor > 0) mark_wrong("%s: each estimate is %.4g times what its directions give. %s", what, factor, hint);
-    mark_wrong("%s: estimate %u is %.6g (r + g + b), must be %.6g by the directions of %s; the mean of %u is %.4g, must "
-               "be %.4g. %s", what, (unsigned)r->run[k], rgb_sum(r->mine[k].L), rgb_sum(r->must[k].L), drawn,
+    mark_wrong("%s: estimate %u is %.6g (r + g + b), must be %.6g by the directions of %s; the mean of %u is %.4g, "
+               "must be %.4g. %s", what, (unsigned)r->run[k], rgb_sum(r->mine[k].L), rgb_sum(r->must[k].L), drawn,
                (unsigned)r->n, mine / r->n, must / r->n, hint);
 }

@@ -23,6 +23,9 @@ typedef struct replay {
     bool knows_sum_only, knows_rays; /* of must */
 } replay;
 
+/* replay_freshen makes it another light, material, normal and eye of the same kind, where there is a secret. */
+void replay_freshen(ask_scene *scene);
+
 /* replay_ask asks for `runs` estimates of a scene, and makes some of them by `ours`, or takes the recorded ones (NULL:
  * none). Where the runs are more than are looked at, nobody knows before which these are. */
 void replay_ask(replay *r, const ask_scene *scene, const bis_integrator *ours, uint32_t runs,
