@@ -11,8 +11,9 @@
  *         is wrong by the first
  *     grade speed [-s SECRET]... STUDENT OURS CLAIMS
  *         how many times OURS's time STUDENT takes for the load of CLAIMS; status 1 and why: its answers are wrong
- *     grade look TEMPLATE FILE [PRINTS]
- *         status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
+ *     grade look TEMPLATE FILE [PRINTS [PLAIN FOLDER...]]
+ *         status 3: something of ours is changed; 4: it cannot be read; 5: a line is refused. Hashes for `alike` go to
+ *         PRINTS, and what is left without comments to PLAIN. "x.h" of an #include must lie in a FOLDER
  *     grade alike SHARE BLANK FILE...
  *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what
  *         BLANK has not with another one: the least and the most percent of the shorter one that two of them share
@@ -267,7 +268,7 @@ static int speed(const options *o, const char *student, const char *reference, c
 
 /* ---- hand-ins as text ---- */
 
-static int look(const char *ours, const char *path, const char *prints)
+static int look(const char *ours, const char *path, const char *prints, char *const *plain)
 {
     token_file template, f;
     unsigned line = 0;
@@ -285,9 +286,11 @@ static int look(const char *ours, const char *path, const char *prints)
     if (!tokens_compare(&f, &template, &line)) {
         printf("what is line %u in the kit is missing or changed\n", line);
         status = 3;
-    } else if (tokens_refuse(&f, &template, text, sizeof text)) {
+    } else if (tokens_refuse(&f, &template, *plain ? plain + 1 : plain, text, sizeof text)) {
         printf("%s\n", text);
-        status = 4;
+        status = 5;
+    } else if (*plain && !tokens_write(&f, *plain)) {
+        return 1;
     }
     FILE *out = prints && status == 0 ? fopen(prints, "w") : NULL;
     if (out) {
@@ -436,7 +439,9 @@ int main(int argc, char **argv)
             return 2;
     }
     argv += optind, argc -= optind;
-    if (strcmp(mode, "look") == 0 && argc >= 2) return look(argv[0], argv[1], argc > 2 ? argv[2] : NULL);
+    if (strcmp(mode, "look") == 0 && argc >= 2) {
+        return look(argv[0], argv[1], argv[2], argv + (argc > 3 ? 3 : argc));
+    }
     if (strcmp(mode, "alike") == 0 && argc >= 2) return alike(strtod(argv[0], NULL), argv[1], argv + 2, argc - 2);
     box_end_with_us();
     poor_environment();

@@ -107,7 +107,7 @@ grade_memory() {
     fi
     while IFS= read -r file; do
         # shellcheck disable=SC2086
-        compile "$file" clean/ $BIS_SANITIZE >>"$work/messages"
+        compile "$file" clean/ $BIS_SANITIZE >>"$work/messages" && look_at_object "$file" clean/
     done <"$shop/units"
     # shellcheck disable=SC2086
     if ! link_it clean clean/ $BIS_SANITIZE; then
