@@ -120,7 +120,11 @@ read_it() {
         said=$("$tool" look "$shop/blank/$file" "$from" "$work/kept/$file.prints" "$work/kept/$file.plain" \
             "$shop/headers/include" "$shop/headers/src" "$shop/headers/src/${file%/*}")
         case $? in
-        0) cp "$work/kept/$file.plain" "$from" && return ;;
+        0)
+            cmp -s "$from" "$shop/blank/$file" || changed=yes
+            cp "$work/kept/$file.plain" "$from"
+            return
+            ;;
         3)
             [ -z "$spliced" ] || break
             spliced=yes
@@ -156,7 +160,7 @@ compile() {
 
 # An object defines what ours does, and uses what ours does, the plain part of the C library, and helpers; runs nothing by
 # itself. Other functions become local. A call of what is refused becomes one of bis_refused (scripts/course/server.c),
-# which ends the test. $2: "", or "clean/" of the sanitized one, which was said of the other already.
+# which ends the test: $refused is for the linker. $2: "", or "clean/" of the sanitized one, which was said of the other already.
 look_at_object() {
     file=$1
     object=$work/objects/$2$file.o
@@ -186,7 +190,8 @@ look_at_object() {
     flags=""
     for word in $other; do flags="$flags -L $word"; done
     for word in $used; do
-        flags="$flags --redefine-sym $word=bis_refused"
+        flags="$flags --redefine-sym $word=refused_$word"
+        refused="$refused -Wl,--defsym=refused_$word=bis_refused"
         grep -q "\"$word\" is refused" "$work/remarks" && continue
         where=$(grep -nw -m 1 -e "$word" "$work/src/$file" | cut -d: -f1)
         remark "$file${where:+, line $where}: \"$word\" is refused; a test that calls it ends there"
@@ -206,6 +211,7 @@ look_at_object() {
 accept() {
     changed=""
     reason=""
+    refused=""
     : >"$work/remarks"
     : >"$work/prints"
     mkdir -p "$work/src" "$work/objects" "$work/kept"
@@ -219,7 +225,6 @@ accept() {
     done <"$shop/files"
     while IFS= read -r file; do
         cat "$work/kept/$file.prints" >>"$work/prints" 2>/dev/null
-        cmp -s "$work/src/$file" "$shop/blank/$file" || changed=yes
     done <"$shop/files"
     if [ -z "$changed" ]; then
         reason="nothing is written"

@@ -34,7 +34,7 @@ static int shell(const char *command)
 
 static char *contents(const char *path)
 {
-    static char text[1 << 16];
+    static char text[1 << 18];
     FILE *f = fopen(path, "r");
 
     if (!f) return NULL;
@@ -383,7 +383,7 @@ static void the_compiler_gets_what_was_looked_at(void **state)
                                        "char *s = \"??" "/\", \" }; x { \", /* \" /* */ }\n",
                                        "/* */ __asm__(\"\");\n"};
     enum { N = sizeof ends / sizeof *ends };
-    static char text[1 << 17];
+    static char text[1 << 19];
 
     (void)state;
     need_a_compiler();
