@@ -158,9 +158,9 @@ compile() {
         $BIS_COMPILE -iquote "$work/src" -iquote "src/${file%/*}" "$@" -c -o "$object" "$work/src/$file"
 }
 
-# An object defines what ours does, and uses what ours does, the plain part of the C library, and helpers; runs nothing by
-# itself. Other functions become local. A call of what is refused becomes one of bis_refused (scripts/course/server.c),
-# which ends the test: $refused is for the linker. $2: "", or "clean/" of the sanitized one, which was said of the other already.
+# An object defines what ours does, and uses what ours does, the plain part of the C library, and helpers; runs nothing
+# by itself. Other functions become local. A call of what is refused becomes one of bis_refused
+# (scripts/course/server.c), which ends the test: $refused is for the linker. $2: "", or "clean/" of the sanitized one.
 look_at_object() {
     file=$1
     object=$work/objects/$2$file.o
@@ -171,11 +171,11 @@ look_at_object() {
         return 1
     fi
     other=$(comm -13 "$shop/refer/$file.defined" "$work/defined")
-    used=$(nm -P -g "$object" | awk -v clean="$2" '
+    used=$(nm -P -g "$object" | awk -v clean="${2:+^(a|ub)san_}" '
         NR == FNR { ok[$1]; next }
         $2 != "U" && $2 != "w" || $1 in ok { next }
         { name = $1; sub(/^__/, "", name); sub(/_chk$/, "", name) }
-        clean != "" && name ~ /^(asan|ubsan)_/ && name !~ /memory_region|_default_|set_(death|error)|describe|_is_/ { next }
+        name !~ /memory_region|default|set_(death|error)|describe|_is_/ && clean != "" && name ~ clean { next }
         name ~ /^(GOMP|kmpc|omp)_/ || name ~ /^(popcount|clz|ctz|mul|u?div|u?mod|float|fix)[a-z]*[0-9]$/ { next }
         name ~ /^(mem(cpy|move|set|cmp)|str(len|n?cmp|n?cpy|n?cat|chr))$/ { next }
         name ~ /^(malloc|calloc|realloc|free|aligned_alloc)$/ { next }

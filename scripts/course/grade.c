@@ -52,41 +52,16 @@ static bool has_bwrap(void)
  * network, other processes, rights. */
 static size_t sandbox(const char **words, const options *o)
 {
-    static const char *const base[] = {"bwrap",
-                                       "--unshare-all",
-                                       "--die-with-parent",
-                                       "--new-session",
-                                       "--cap-drop",
-                                       "ALL",
-                                       "--ro-bind",
-                                       "/usr",
-                                       "/usr",
-                                       "--ro-bind-try",
-                                       "/bin",
-                                       "/bin",
-                                       "--ro-bind-try",
-                                       "/lib",
-                                       "/lib",
-                                       "--ro-bind-try",
-                                       "/lib32",
-                                       "/lib32",
-                                       "--ro-bind-try",
-                                       "/lib64",
-                                       "/lib64",
-                                       "--ro-bind-try",
-                                       "/etc/ld.so.cache",
-                                       "/etc/ld.so.cache",
-                                       "--ro-bind-try",
-                                       "/etc/alternatives",
-                                       "/etc/alternatives",
-                                       "--proc",
-                                       "/proc",
-                                       "--dev",
-                                       "/dev",
-                                       "--size",
-                                       "67108864",
-                                       "--tmpfs",
-                                       "/tmp"};
+    static const char *const base[] = {
+        "bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--cap-drop", "ALL",
+        "--ro-bind", "/usr", "/usr",
+        "--ro-bind-try", "/bin", "/bin",
+        "--ro-bind-try", "/lib", "/lib",
+        "--ro-bind-try", "/lib32", "/lib32",
+        "--ro-bind-try", "/lib64", "/lib64",
+        "--ro-bind-try", "/etc/ld.so.cache", "/etc/ld.so.cache",
+        "--ro-bind-try", "/etc/alternatives", "/etc/alternatives",
+        "--proc", "/proc", "--dev", "/dev", "--size", "67108864", "--tmpfs", "/tmp"};
     size_t n = 0;
 
     if (!has_bwrap()) return 0;

@@ -405,9 +405,9 @@ static bool is_refused_name(const token *t)
     if (among(t, "asm _Pragma")) return true;
     if (is_plain_attribute(t)) return false;
     if (!begins(t, "__")) return false;
-    return !among(t, "__func__ __FILE__ __LINE__ __VA_ARGS__ __restrict __builtin_ctz __builtin_ctzl __builtin_ctzll __builtin_clz "
-                     "__builtin_clzl __builtin_clzll "
-                     "__builtin_popcount __builtin_expect __builtin_fma __builtin_sqrt");
+    return !among(t, "__func__ __FILE__ __LINE__ __VA_ARGS__ __restrict __builtin_ctz __builtin_ctzl __builtin_ctzll "
+                     "__builtin_clz __builtin_clzl __builtin_clzll __builtin_popcount __builtin_expect __builtin_fma "
+                     "__builtin_sqrt");
 }
 
 static bool is_refused(const token_file *f, const token_file *template, char *const *folders, size_t i)

@@ -37,13 +37,15 @@ static ask_scene scene_of(const mis_case *c)
     return mark_scene(c->map, c->is_glossy ? glossy : diffuse, c->hidden, ASK_MIS, &s);
 }
 
-/* What the samples of each technique bring with a weight of 1: em and brdf, which are given, draw the same ones. */
-typedef struct parts {
+/* of: what the samples of each technique bring with a weight of 1: em and brdf, which are given, draw the same ones. */
+typedef struct played {
+    replay r;
     ask_estimate of[2][REPLAY_RUNS];
-} parts;
+} played;
 
-static void ask(replay *r, parts *p, const mis_case *c, uint32_t runs)
+static void ask(played *p, const mis_case *c, uint32_t runs)
 {
+    replay *r = &p->r;
     const ask_scene scene = scene_of(c);
     const uint32_t n_em = (uint32_t)lround(c->split * c->samples);
 
@@ -61,44 +63,42 @@ static void ask(replay *r, parts *p, const mis_case *c, uint32_t runs)
 }
 
 /* Where both weights are 1/2, the mean is right already. */
-static rgb halves(const parts *p, uint32_t k)
+static rgb halves(const played *p, uint32_t k)
 {
     const rgb em = p->of[0][k].L, brdf = p->of[1][k].L;
 
     return rgb_scale((rgb){em.r + brdf.r, em.g + brdf.g, em.b + brdf.b}, 0.5);
 }
 
-static bool are_halves(const replay *r, const parts *p)
+static bool are_halves(const played *p)
 {
-    for (uint32_t k = 0; k < r->n; k++) {
-        if (!replay_is_near(r, k, halves(p, k))) return false;
+    for (uint32_t k = 0; k < p->r.n; k++) {
+        if (!replay_is_near(&p->r, k, halves(p, k))) return false;
     }
     return true;
 }
 
 static bool holds(const mis_case *c)
 {
-    static replay r;
-    static parts p;
+    static played p;
 
-    ask(&r, &p, c, REPLAY_RUNS);
-    return replay_first_wrong(&r) == r.n || are_halves(&r, &p);
+    ask(&p, c, REPLAY_RUNS);
+    return replay_first_wrong(&p.r) == p.r.n || are_halves(&p);
 }
 
 /* Is each technique right where the other one brings nothing? Its weights are those of the heuristic, or all 1/2. */
 static void alone(bool right[2], const mis_case *c)
 {
-    static replay r;
-    static parts p;
+    static played p;
 
-    ask(&r, &p, c, REPLAY_RUNS);
+    ask(&p, c, REPLAY_RUNS);
     for (int t = 0; t < 2; t++) {
         uint32_t n = 0, asked = 0, half = 0;
-        for (uint32_t k = 0; k < r.n; k++) {
+        for (uint32_t k = 0; k < p.r.n; k++) {
             if (rgb_sum(p.of[t][k].L) <= 0 || rgb_sum(p.of[1 - t][k].L) > 0) continue;
             n++;
-            asked += replay_is_near(&r, k, r.must[k].L);
-            half += replay_is_near(&r, k, halves(&p, k));
+            asked += replay_is_near(&p.r, k, p.r.must[k].L);
+            half += replay_is_near(&p.r, k, halves(&p, k));
         }
         right[t] = n > 0 && (asked == n || half == n);
     }
@@ -183,16 +183,15 @@ static void check_parts(const mis_case *here)
 /* any: weights of 1/2 will do. */
 static void check(const mis_case *c, bool any)
 {
-    static replay r;
-    static parts p;
+    static played p;
 
-    ask(&r, &p, c, REPLAY_RUNS);
-    if (replay_first_wrong(&r) < r.n && are_halves(&r, &p)) {
+    ask(&p, c, REPLAY_RUNS);
+    if (replay_first_wrong(&p.r) < p.r.n && are_halves(&p)) {
         if (any) return;
         mark_wrong("%s: both of your weights are 1/2. Any that sum to 1 leave the mean right; these are noisier than "
                    "those of the heuristic", c->what);
     }
-    replay_check(&r, c->what, drawn_by, hint);
+    replay_check(&p.r, c->what, drawn_by, hint);
 }
 
 static void check_all(const mis_case *c, int n, bool any)
@@ -216,36 +215,30 @@ static void the_weights_are_those_of_the_power_heuristic(void) { CHECK(power_wei
 static void each_sample_casts_one_ray_at_most(void)
 {
     const mis_case *cases[] = {&in_the_open[1], &constant_light[1]};
-    static replay r;
-    static parts p;
+    static played p;
 
     for (int i = 0; i < 2; i++) {
-        uint64_t all = 0, must = 0;
-        ask(&r, &p, cases[i], REPLAY_RUNS);
-        for (uint32_t k = 0; k < r.n; k++) {
-            all += r.mine[k].rays;
-            must += r.must[k].rays;
-            if (r.mine[k].rays > r.must[k].rays) {
-                mark_wrong("%s: estimate %u casts %u shadow rays, must cast %u: one for a sample, and none for one "
-                           "from where no light comes", cases[i]->what, (unsigned)r.run[k], (unsigned)r.mine[k].rays,
-                           (unsigned)r.must[k].rays);
-            }
+        uint64_t all = 0, all_right = 0;
+        ask(&p, cases[i], REPLAY_RUNS);
+        for (uint32_t k = 0; k < p.r.n; k++) {
+            const uint64_t mine = p.r.mine[k].rays, must = p.r.must[k].rays;
+            all += mine;
+            all_right += must;
+            if (mine <= must) continue;
+            mark_wrong("%s: estimate %u casts %u shadow rays, must cast %u: one for a sample, and none for one from "
+                       "where no light comes", cases[i]->what, (unsigned)p.r.run[k], (unsigned)mine, (unsigned)must);
         }
-        if (i == 0 && 2 * all < must) {
-            mark_wrong("%s: %u estimates cast %u shadow rays, must cast %u: do both techniques draw and trace theirs?",
-                       cases[i]->what, (unsigned)r.n, (unsigned)all, (unsigned)must);
-        }
+        if (i == 0 && 2 * all < all_right) mark_wrong("%s: do both techniques trace their samples?", cases[i]->what);
     }
 }
 
 /* Some of its estimates are looked at, too; which, nobody knows before. */
 static void work(void)
 {
-    static replay r;
-    static parts p;
+    static played p;
 
-    ask(&r, &p, &timed, 10000);
-    replay_check(&r, timed.what, drawn_by, hint);
+    ask(&p, &timed, 10000);
+    replay_check(&p.r, timed.what, drawn_by, hint);
 }
 
 int main(int argc, char **argv)

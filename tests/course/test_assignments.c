@@ -377,11 +377,10 @@ static void no_cheat_reaches_out_while_the_sanitizers_look(void **state)
  * so that no reading hides anything. The last two are refused, the first where it is no comment. */
 static void the_compiler_gets_what_was_looked_at(void **state)
 {
-    static const char *const ends[] = {"// \\ \r \n__asm__(\"\");\n", "// \\ \r\nint x;\n",  "/* *\\ \n/ int x; /* */\n",
-                                       "// \\\f\nint x;\n",           "// \\\r\r\nint x;\n", "// \r int x;\n",
-                                       "// what??" "/\nint x;\n",       "#define TWO \\ \n 2\n",
-                                       "char *s = \"??" "/\", \" }; x { \", /* \" /* */ }\n",
-                                       "/* */ __asm__(\"\");\n"};
+    static const char *const ends[] = {
+        "// \\ \r \n__asm__(\"\");\n", "// \\ \r\nint x;\n", "/* *\\ \n/ int x; /* */\n", "// \\\f\nint x;\n",
+        "// \\\r\r\nint x;\n", "// \r int x;\n", "// what??" "/\nint x;\n", "#define TWO \\ \n 2\n",
+        "char *s = \"??" "/\", \" }; x { \", /* \" /* */ }\n", "/* */ __asm__(\"\");\n"};
     enum { N = sizeof ends / sizeof *ends };
     static char text[1 << 19];
 
@@ -393,7 +392,7 @@ static void the_compiler_gets_what_was_looked_at(void **state)
         program_write_file(DIR "/file.c", text);
         const int status = shell("\"$BIS_BUILD/grade\" look src/thesis/alias.c " DIR "/file.c " DIR "/prints " DIR
                                  "/plain.c > " DIR "/out && ! grep '/[*/]\\|[\\]$\\|asm\\|\r' " DIR "/plain.c");
-        if (status != (i < N - 2 ? 0 : i < N - 1 ? 4 : 5)) fail_msg("%s: %d, %s", ends[i], status, contents(DIR "/out"));
+        if (status != (i < N - 2 ? 0 : i < N - 1 ? 4 : 5)) fail_msg("%s: %d", ends[i], status);
     }
 }
 
@@ -407,7 +406,8 @@ static void right_solutions_of_any_style_are_right(void **state)
     assert_int_equal(shell("for f in tests/course/handed_in/styles/*.c tests/course/handed_in/sanitizer.c; do "
                            "sh scripts/course/splice.sh $f " DIR " > /dev/null && mkdir -p " DIR "/in && "
                            "mv " DIR "/thesis/alias.c " DIR "/in/${f##*/} || exit 1; done; "
-                           "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR "/in 2 > " DIR "/out && "
+                           "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR "/in 2 > " DIR
+                           "/out && "
                            "awk -F , '/^\"[01]/ { n++; if ($2 < 90 || $NF ~ /stopped/) { print; bad = 1 } } "
                            "END { exit bad || n != 13 }' " DIR "/in.alias.csv >&2"), 0);
     const char *table = contents(DIR "/in.alias.csv");

