@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # check_assignments: does each assignment mark as it should? With the blanks, every claim fails; with our own bodies,
 # every one holds; each of the typical wrong solutions (NAME_wrong1.c, NAME_wrong2.c ...) is worth some of the points,
-# and fails the claims that its line "loses:" names, as each cheat does (handed_in/NAME_cheat1.c ...), by a secret;
-# right ones (handed_in/NAME_right1.c ...) fail none.
+# and fails the claims that its line "loses:" names, as each cheat does (handed_in/NAME_cheat1.c ...), by a secret, and
+# says what a line "says:" has; right ones (handed_in/NAME_right1.c ...) fail none.
 # Only the modules under study are compiled, and linked before the present library.
 #     scripts/course/check_assignments.sh [NAME...]        (default: all)
 # From the root. make gives, in BIS_BUILD, BIS_COMPILE, BIS_LINK, BIS_OBJECTS, BIS_LIBS, how to compile and link
@@ -94,6 +94,8 @@ prove() {
                 }
                 exit bad
             }' "$folder/$variant.marks" || exit 1
+        says=$(sed -n 's|^/\* says: \(.*\) \*/$|\1|p' $(fragments $variant) </dev/null)
+        grep -q "$says" "$folder/$variant.marks" || say "$variant does not say: $says"
         case $variant$loses in cheat[0-9]) load "$variant" 1d5e1f 9 ;; esac # its load alone is wrong
     done
 }

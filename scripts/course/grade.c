@@ -414,9 +414,7 @@ int main(int argc, char **argv)
             return 2;
     }
     argv += optind, argc -= optind;
-    if (strcmp(mode, "look") == 0 && argc >= 2) {
-        return look(argv[0], argv[1], argv[2], argv + (argc > 3 ? 3 : argc));
-    }
+    if (strcmp(mode, "look") == 0 && argc >= 2) return look(argv[0], argv[1], argv[2], argv + (argc > 3 ? 3 : argc));
     if (strcmp(mode, "alike") == 0 && argc >= 2) return alike(strtod(argv[0], NULL), argv[1], argv + 2, argc - 2);
     box_end_with_us();
     poor_environment();

@@ -163,6 +163,7 @@ static const mis_case timed = {
 static void check_parts(const mis_case *here)
 {
     static const char *const techniques[] = {"map", "BRDF"};
+    static played p;
     bool right[2], right_here[2];
 
     alone(right, &half_in_shadow[0]);
@@ -174,10 +175,10 @@ static void check_parts(const mis_case *here)
                        techniques[t]);
         }
     }
-    if (!right[0] && !right[1]) {
-        mark_wrong("%s: neither the samples of the map nor those of the BRDF bring their weight times F V/(n q). (Mend "
-                   "a_diffuse_surface_in_the_open_is_right first.)", here->what);
-    }
+    if (right[0] || right[1]) return;
+    ask(&p, here, REPLAY_RUNS);
+    replay_check(&p.r, here->what, drawn_by, "(Mend a_diffuse_surface_in_the_open_is_right first.)");
+    mark_wrong("%s: it is right, and a_diffuse_surface_in_the_open is not: mend that one first", here->what);
 }
 
 /* any: weights of 1/2 will do. */
