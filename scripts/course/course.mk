@@ -20,7 +20,6 @@ test test-tools grade grade-class: export BIS_SANITIZE = $(SANITIZED)
 
 # A call in the place of a return is a jump in the plain program, and takes no stack; so it is in the other.
 SANITIZED = $(ASAN) -foptimize-sibling-calls
-
 assignment: $(LIB)
 	@sh scripts/course/assignment.sh "$(A)" "$(DEST)"
 
