@@ -16,7 +16,7 @@ void replay_freshen(ask_scene *scene)
     bis_material *m = &scene->material;
 
     if (!mark_secret()) return;
-    double *u = mark_uniforms(7, mark_seed(31), (uint64_t)scene->map);
+    double *u = mark_uniforms(8, mark_seed(31), (uint64_t)scene->map);
     scene->scale = 2 + u[0]; /* no unit of anything is near to 1 */
     scene->area_exponent = 0.3 * u[1];
     m->Kd = rgb_scale(m->Kd, 0.5 + 0.5 * u[2]);
@@ -24,6 +24,7 @@ void replay_freshen(ask_scene *scene)
     m->exponent *= 0.8 + 0.4 * u[4];
     scene->n = normalize(vec3_from((double)scene->n.x + 0.3 * u[5], (double)scene->n.y, (double)scene->n.z));
     scene->degrees += 10 * u[6];
+    if (scene->hidden == LIT_HALF && u[7] < 0.5) scene->hidden = LIT_OTHER_HALF;
     bis_free(u);
 }
 

@@ -6,8 +6,8 @@
  * rounding. The judge makes it, too, and asks for it to 1e-4 of the mean.
  *
  * Graded, it makes 200 estimates by our own integrator, which is in the judge's program alone, under a light, a
- * material, a normal and an eye that the secret changes. In a kit that integrator is the student's: there stand 12
- * recorded values of r + g + b, under the kit's seed. Env BIS_RECORD prints them (docs/assignments/README.md). */
+ * material, a normal, an eye and a shadow that the secret changes. In a kit that integrator is the student's: there
+ * stand 12 recorded values of r + g + b, under the kit's seed, which BIS_RECORD=1 prints. */
 #ifndef TESTS_REPLAY_H
 #define TESTS_REPLAY_H
 
@@ -23,7 +23,7 @@ typedef struct replay {
     bool knows_sum_only, knows_rays; /* of must */
 } replay;
 
-/* replay_freshen makes it another light, material, normal and eye of the same kind, where there is a secret. */
+/* replay_freshen makes it another light, material, normal, eye and shadow of the same kind, where there is a secret. */
 void replay_freshen(ask_scene *scene);
 
 /* replay_ask asks for `runs` estimates of a scene, and makes some of them by `ours`, or takes the recorded ones (NULL:
