@@ -255,5 +255,5 @@ int main(int argc, char **argv)
         {"each_sample_casts_one_ray_at_most", 5, each_sample_casts_one_ray_at_most},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.9);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.4);
 }

@@ -215,5 +215,5 @@ int main(int argc, char **argv)
         {"at_most_N_of_the_accepted_are_traced", 10, at_most_N_of_the_accepted_are_traced},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.4);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.0);
 }
