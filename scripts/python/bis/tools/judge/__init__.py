@@ -61,7 +61,7 @@ def _cases_of(folder: str, say: command.Say) -> list[Case]:
     if not by_name:
         raise Error('error: "%s" holds no picture of the kit: give NAME.exr (.hdr, .pfm, .npy), '
                     "with NAME as in `bis judge --kit DIR`" % folder)
-    return [report.of_kit(n, by_name[n], say) for n in kit.NAMES if n in by_name]
+    return [report.case_of(n, by_name[n], True, say) for n in kit.NAMES if n in by_name]
 
 
 def _cases(o: SimpleNamespace, operands: list[str], say: command.Say) -> list[Case]:
@@ -73,7 +73,7 @@ def _cases(o: SimpleNamespace, operands: list[str], say: command.Say) -> list[Ca
         raise Error("error: give PICTURE... SCENE, a folder with pictures of the kit, or --kit DIR "
                     "(bis judge --help)")
     with telling(say):
-        return [report.of_scene(operands[-1], operands[:-1], say)]
+        return [report.case_of(operands[-1], operands[:-1], False, say)]
 
 
 def _body(o: SimpleNamespace, operands: list[str], say: command.Say) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Callable, Sequence
 
 import numpy as np
@@ -16,8 +17,8 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE, Found, Studio,
-                     search)
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, REJECTED, SMALL, SURE,
+                     Convention, Found, Studio, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 NEAREST = 6  #: causes that are tried by other conventions if none fits by the first
@@ -103,15 +104,19 @@ def _truth(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Ver
         studio.at(level)
         truth = studio.right()
         verdict = judge(theirs, truth, rounding)
-        if verdict.own < SMALL * verdict.noise:
+        if verdict.own < SMALL * verdict.noise or verdict.p < REJECTED:
             break
     return truth, verdict
 
 
-def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say) -> Case:
-    """Judge pictures. `made` makes a studio of a step and a convention."""
+#: Makes a studio by a step and a convention, each once.
+Studios = Callable[[int, Convention], Studio]
+
+
+def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
+           made: Studios) -> Case:
+    """Judge pictures (k, h, w, 3) with these names, and look for the cause of a wrong one."""
     studio = made(1, CONVENTIONS[0])
-    theirs, rounding = _stack(pictures, studio.alpha.shape, say)
     case = Case(name, pictures, theirs, *_truth(studio, theirs, rounding))
     if case.verdict.is_right:
         return case
@@ -127,8 +132,8 @@ def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say)
     for like in likes:
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
-        near = {f.name for f in case.causes[:NEAREST]} or None
-        case.causes = search(studio, thin, case.verdict.noise, rounding, near) or case.causes
+        near = {f.key: f.make for f in case.causes[:NEAREST]}
+        case.causes = search(studio, thin, case.verdict.noise, rounding, near or None)
         if case.named:
             break
     if case.named and case.named[0].name in CURVES:
@@ -136,20 +141,25 @@ def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say)
     return case
 
 
-def of_kit(name: str, pictures: list[str], say: Say) -> Case:
-    """Judge pictures of a scene of the kit."""
+def studios_of_kit(name: str) -> Studios:
+    """Studios of a scene of the kit."""
     light = Envmap(kit.light(name))
-    return _case(name, pictures, lambda step, like: Studio(kit.text(name), light, light, step,
-                                                           like), say)
+    return lru_cache(None)(lambda step, like: Studio(kit.text(name), light, light, step, like))
 
 
-def of_scene(path: str, pictures: list[str], say: Say) -> Case:
-    """Judge pictures of a scene of the user's."""
+def _studios_of_scene(path: str) -> Studios:
     light = Scene(path).about()["light"]
     map_ = Envmap(light["file"]) if light["file"] else None
     if map_ is not None and map_.shape != (light["height"], light["width"]):
         map_ = None
-    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, like), say)
+    return lru_cache(None)(lambda step, like: Studio(path, None, map_, step, like))
+
+
+def case_of(scene: str, pictures: list[str], is_kit: bool, say: Say) -> Case:
+    """Judge files of a scene of the kit, or of the user's."""
+    made = studios_of_kit(scene) if is_kit else _studios_of_scene(scene)
+    theirs, rounding = _stack(pictures, made(1, CONVENTIONS[0]).alpha.shape, say)
+    return judged(scene, pictures, theirs, rounding, made)
 
 
 # ---- what is said ----

@@ -44,6 +44,7 @@ class Truth(NamedTuple):
     outlines: Flags  #: (h, w)
     background: Flags  #: (h, w)
     unknown: Any = False  #: pixels (h, w) of which nothing is said
+    spread: float = 1.0  #: their noise of a tile over that of independent pixels, by a wide filter
 
     @property
     def mean(self) -> Doubles:
@@ -125,6 +126,7 @@ class _Tiles:
         self.n = int(enough.sum())
         self.count = count[enough][:, None]  #: pixels, (n, 1)
         self.of = number[place]  #: (h, w): the tile, or -1
+        self.spread = truth.spread
 
     def sums(self, values: Doubles, of: NDArray[np.int64]) -> Doubles:
         """Sums over tiles (n, 3) of values (h, w, 3), with the tile of each pixel."""
@@ -137,8 +139,14 @@ class _Tiles:
         return self.sums(values, self.of) / self.count
 
     def variance(self, copies: Doubles) -> Doubles:
-        """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter."""
-        return np.stack([self.means(one) for one in copies]).var(0, ddof=1) / len(copies)
+        """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter. A few may agree
+        by chance, so for them it is no less than its mean over all tiles, as a share."""
+        each = np.stack([self.means(one) for one in copies])
+        own = each.var(0, ddof=1) / len(copies)
+        if len(copies) < MANY:
+            square = each.mean(0) ** 2
+            own = np.maximum(own, square * np.sum(own) / max(np.sum(square), 1e-300))
+        return own
 
     def noise(self, d: Doubles) -> tuple[Doubles, Doubles]:
         """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) show it, and
@@ -147,7 +155,8 @@ class _Tiles:
         if k >= MANY:
             return self.variance(d), np.full((self.n, 1), k - 1.0)
         if k > 1:
-            return self.means(d.var(0, ddof=1)) / self.count / k, self.count * (k - 1.0)
+            variance = self.spread * self.means(d.var(0, ddof=1)) / self.count / k
+            return variance, self.count * (k - 1.0)
         total, fourth, pairs = (np.zeros((self.n, c)) for c in (3, 3, 1))
         for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
             same = np.where(self.of[a] == self.of[b], self.of[a], -1)
@@ -158,7 +167,7 @@ class _Tiles:
         # Two pairs a pixel, which share pixels, tell as much as 0.8 independent squares; less where
         # few pixels have most of the noise (the fourth moment of a normal number is 3).
         dof = np.minimum(1.2 * total ** 2 / np.maximum(fourth, 1e-300), 0.4 * pairs)
-        return total / pairs / self.count, np.maximum(dof, 1)
+        return self.spread * total / pairs / self.count, np.maximum(dof, 1)
 
     def skewness(self, d: Doubles) -> Doubles:
         """The skewness of the tiles' means (n, 3), from that of all pixels about their tiles'."""
@@ -170,6 +179,11 @@ class _Tiles:
         spread = np.sqrt(self.means(square))[of]
         u = np.divide(r, spread, out=np.zeros_like(r), where=spread > 0)
         return np.mean(u ** 3, axis=(0, 1)) / np.sqrt(self.count * len(d))
+
+
+def tile_means(truth: Truth, copies: Doubles) -> Doubles:
+    """Means of copies (k, h, w, 3) over the truth's tiles, (n, 3)."""
+    return _Tiles(truth).means(copies.mean(0))
 
 
 def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -> Flags:
@@ -218,11 +232,14 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
     z = []
     for slope in _slopes(truth.mean):
         u = np.sum(d[:, at] * slope[at], axis=-1)  # (k, pixels)
-        own = np.sum(truth.copies[:, at] * slope[at], axis=(1, 2)).var(ddof=1) / len(truth.copies)
+        each = np.sum(truth.copies[:, at] * slope[at], axis=-1)
+        own = each.sum(1).var(ddof=1) / len(each)
+        if len(each) < MANY:  # which may agree by chance
+            own = max(own, each.var(0, ddof=1).sum() / len(each))
         if len(d) >= MANY:
             variance, dof = u.sum(1).var(ddof=1) / len(d), len(d) - 1.0
         else:
-            variance, dof = np.sum(u.mean(0) ** 2), float(at.sum())
+            variance, dof = truth.spread * np.sum(u.mean(0) ** 2), float(at.sum())
         if variance + own > 0:
             t = u.sum() / len(d) / math.sqrt(variance + own)
             z.append(float(student_z(np.float64(t), np.float64(dof))))
