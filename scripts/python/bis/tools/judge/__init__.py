@@ -39,14 +39,6 @@ picture of 8 bits.
 """)
 
 
-def _kit(folder: str) -> int:
-    from . import kit, report
-
-    kit.write(folder)
-    command.put(report.write_exact(folder))
-    return command.DONE
-
-
 def _cases_of(folder: str, say: command.Say) -> list[Case]:
     """The pictures in a folder, by the scenes of the kit: the longest name that a file begins
     with."""
@@ -77,12 +69,14 @@ def _cases(o: SimpleNamespace, operands: list[str], say: command.Say) -> list[Ca
 
 
 def _body(o: SimpleNamespace, operands: list[str], say: command.Say) -> int:
-    from . import report
+    from . import kit, report
 
     if o.kit is not None:
         if operands:
             raise Error('error: "%s" beside --kit: give one of them' % operands[0])
-        return _kit(o.kit)
+        kit.write(o.kit)
+        command.put(report.write_exact(o.kit))
+        return command.DONE
     if o.html:
         files.check_writable(o.html)
         files.check_distinct(operands, [o.html])

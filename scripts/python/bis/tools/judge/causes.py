@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable, Sequence
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -236,12 +237,38 @@ def _sines(m: Floats) -> Doubles:
     return np.sin((np.arange(len(m)) + 0.5) * np.pi / len(m))[:, None, None]
 
 
-def _moved(m: Floats, x: int, y: int) -> Floats:
-    """Moved by halves of a texel to the right and down; the rim's row is repeated."""
-    fine = np.roll(m.repeat(2, 0).repeat(2, 1), x, 1)
-    if y:
-        fine = np.concatenate([fine[:1], fine[:-1]] if y > 0 else [fine[1:], fine[-1:]])
-    return fine
+def _seen(m: Floats, rows: int, columns: int, where: Callable[..., Any]) -> Floats:
+    """A map of so many rows and columns for each of m, which shows what m has elsewhere: `where`
+    gives the place (y, x) in pixels of m for one of the new map."""
+    y, x = np.indices((rows * len(m), columns * m.shape[1]))
+    y, x = where((y + 0.5) / rows, (x + 0.5) / columns)
+    row = np.clip(np.floor(y).astype(int), 0, len(m) - 1)
+    return m[row, np.floor(x).astype(int) % m.shape[1]]
+
+
+def _moved(m: Floats, x: float, y: float) -> Floats:
+    """Moved by texels to the right and down; the rim's row is repeated."""
+    return _seen(m, 2, 2, lambda row, column: (row - y, column - x))
+
+
+def _turned(m: Floats, share: float) -> Floats:
+    """Turned by a share of 360 degrees, to a half of 1/TURNS."""
+    move = round(share * TURNS) / TURNS * m.shape[1]
+    return _seen(m, 1, 1 if move % 1 == 0 else max(TURNS // m.shape[1], 1),
+                 lambda row, column: (row, column - move))
+
+
+def _z_up(m: Floats, sign: int) -> Floats:
+    """A map whose y was taken for z, or the other way round."""
+    h, w = m.shape[:2]
+
+    def where(row: Doubles, column: Doubles) -> Any:
+        theta, phi = row * np.pi / h, column * 2 * np.pi / w
+        x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+        return (np.arccos(np.clip(sign * y, -1, 1)) * h / np.pi,
+                np.arctan2(-sign * z, x) * w / (2 * np.pi))
+    fine = max(512 // h, 1)
+    return _seen(m, fine, fine, where)
 
 
 def _bilinear(m: Floats) -> Floats:
@@ -257,13 +284,6 @@ def _bilinear(m: Floats) -> Floats:
     return np.ascontiguousarray(rows[top] * (1 - fy) + rows[low] * fy, np.float32)
 
 
-def _turned(m: Floats, share: float) -> Floats:
-    """Turned by a share of 360 degrees, to a half of 1/TURNS, by finer columns where m needs it."""
-    if share * m.shape[1] % 1:
-        m = m.repeat(max(TURNS // m.shape[1], 1), 1)
-    return np.roll(m, round(share * m.shape[1]), 1)
-
-
 def _cut(m: Floats, keep: Any) -> Floats:
     out = np.zeros_like(m)
     out[keep] = m[keep]
@@ -274,20 +294,6 @@ def _encoded(v: Any) -> Doubles:
     """Linear values as sRGB's, without an upper end."""
     v = np.maximum(np.asarray(v, np.float64), 0)
     return np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
-
-
-def _z_up(m: Floats, sign: int) -> Floats:
-    """A map whose y was taken for z, or the other way round."""
-    fine = m.repeat(max(512 // len(m), 1), 0).repeat(max(512 // len(m), 1), 1)
-    h, w = fine.shape[:2]
-    theta = (np.arange(h) + 0.5) * np.pi / h
-    phi = (np.arange(w) + 0.5) * 2 * np.pi / w
-    x, y = np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi)
-    z = np.broadcast_to(np.cos(theta)[:, None], (h, w))
-    y, z = -sign * z, sign * y
-    row = np.minimum(np.arccos(np.clip(z, -1, 1)) * h / np.pi, h - 1).astype(int)
-    column = (np.arctan2(y, x) % (2 * np.pi) * w / (2 * np.pi)).astype(int) % w
-    return fine[row, column]
 
 
 MAPS: dict[str, Callable[[Floats], Any]] = {
@@ -302,10 +308,10 @@ MAPS: dict[str, Callable[[Floats], Any]] = {
     "the map upside down and mirrored": lambda m: m[::-1, ::-1],
     "y of the map taken for z": lambda m: _z_up(m, 1),
     "z of the map taken for y": lambda m: _z_up(m, -1),
-    "the map half a texel to the right": lambda m: _moved(m, 1, 0),
-    "the map half a texel to the left": lambda m: _moved(m, -1, 0),
-    "the map half a texel down": lambda m: _moved(m, 0, 1),
-    "the map half a texel up": lambda m: _moved(m, 0, -1),
+    "the map half a texel to the right": lambda m: _moved(m, 0.5, 0),
+    "the map half a texel to the left": lambda m: _moved(m, -0.5, 0),
+    "the map half a texel down": lambda m: _moved(m, 0, 0.5),
+    "the map half a texel up": lambda m: _moved(m, 0, -0.5),
     "the rows at the poles missing": lambda m: _cut(m, np.s_[1:-1]),
     "the last column missing (the seam)": lambda m: _cut(m, np.s_[:, :-1]),
     "sin(theta) missing in the density (1/sin too much light)": lambda m: m / _sines(m),
@@ -469,8 +475,17 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
     return Found(name, judge(theirs, truth, rounding), truth, name, make)
 
 
-def _fitted(studio: Studio, theirs: Doubles, coarse: Doubles, change: Callable[[Floats, float], Any],
-            key: str) -> float:
+def _cut_off(m: Floats, power: float) -> Floats:
+    return np.minimum(m, 2.0 ** power)
+
+
+NUMBERS: dict[str, Callable[[Floats, float], Any]] = {
+    "the map turned by %.3g degrees": _turned,
+    "the map mirrored and turned by %.3g degrees": lambda m, v: _turned(m[:, ::-1], v),
+    "the map cut off at %.3g": _cut_off}
+
+
+def _fitted(studio: Studio, theirs: Doubles, name: str, coarse: Sequence[float]) -> float:
     """The number with which a change of the map fits best: the best of the coarse ones, then by
     halves of their step, last by least squares on the line between its neighbours. One copy is
     enough for this, as whether the number fits is tested later."""
@@ -480,15 +495,14 @@ def _fitted(studio: Studio, theirs: Doubles, coarse: Doubles, change: Callable[[
     weight = 1 / (x + x.mean()) ** 2
 
     def off(value: float) -> Doubles:
-        def make() -> Doubles:
-            return tile_means(right, studio.under(lambda m: change(m, value)).copies)
-        return studio.once((key, value), make) - x
+        return studio.once((name, value), lambda: tile_means(
+            right, studio.under(lambda m: NUMBERS[name](m, value)).copies)) - x
 
     def far(value: float) -> float:
         return float(np.sum(weight * off(value) ** 2))
     step = abs(coarse[1] - coarse[0])
     studio.at((1, 2))
-    best = min(coarse.tolist(), key=far)
+    best = min(coarse, key=far)
     studio.at((1, 8))
     for _ in range(4):
         step /= 2
@@ -499,19 +513,29 @@ def _fitted(studio: Studio, theirs: Doubles, coarse: Doubles, change: Callable[[
     return best + step * min(max(move, -1), 1)
 
 
-def _of_a_number(studio: Studio, theirs: Doubles) -> dict[str, Make]:
-    """Causes with a number that no list holds: a turn, a value at which the map is cut off."""
+def _of_numbers(studio: Studio, theirs: Doubles, names: Iterable[str]) -> dict[str, Make]:
+    """Causes with a number that no list holds."""
     causes: dict[str, Make] = {}
-    for mirrored, mirror in (("", 1), ("mirrored and ", -1)):
-        turn = _fitted(studio, theirs, np.arange(32) / 32,
-                       lambda m, v: _turned(m[:, ::mirror], v), mirrored)
-        causes["the map %sturned by %.4g degrees" % (mirrored, 360 * (turn - round(turn)))] = (
-            _of_map(lambda m, t=turn, k=mirror: _turned(m[:, ::k], t)))
     most = math.log2(studio.map.pixels.max())
-    end = 2 ** _fitted(studio, theirs, most - np.arange(1, 9), lambda m, v: np.minimum(m, 2 ** v),
-                       "cut")
-    causes["the map cut off at %.4g" % end] = _of_map(lambda m: np.minimum(m, end))
+    for name in names:
+        change = NUMBERS[name]
+        is_cut = change is _cut_off
+        coarse = [most - i for i in range(1, 9)] if is_cut else [i / 32 for i in range(32)]
+        v = _fitted(studio, theirs, name, coarse)
+        causes[name % (2 ** v if is_cut else 360 * (v - round(v)))] = _of_map(
+            lambda m, f=change, v=v: f(m, v))
     return causes
+
+
+def _open_numbers(found: list[Found]) -> list[str]:
+    """Which numbers have to be fitted: all if nothing fits; else those by which the causes that fit
+    have a twin under some maps."""
+    fits = " ".join(f.name for f in found if f.verdict.p >= SURE)
+    turned, mirrored, cut = NUMBERS
+    if not fits:
+        return [turned, mirrored, cut]
+    return ([turned] * ("map mirrored" in fits) + [mirrored] * ("map turned" in fits)
+            + [cut] * ("the light" in fits))
 
 
 def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: float,
@@ -538,9 +562,9 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
 def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUNDING,
            causes: Optional[dict[str, Make]] = None) -> list[Found]:
     """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong, whose tiles have a
-    noise (a share of the mean). The one that fits best comes first. If none of all fits, those of
-    any number are tried."""
+    noise (a share of the mean). The one that fits best comes first."""
     found = _refined(studio, causes or CAUSES, theirs, noise, rounding)
-    if causes is None and studio.map is not None and all(f.verdict.p < SURE for f in found):
-        found += _refined(studio, _of_a_number(studio, theirs), theirs, noise, rounding)
+    if causes is None and studio.map is not None:
+        more = _of_numbers(studio, theirs, _open_numbers(found))
+        found += _refined(studio, more, theirs, noise, rounding)
     return sorted(found, key=lambda f: (-f.verdict.p, _far(f.verdict)))

@@ -98,7 +98,7 @@ def _stack(paths: list[str], size: tuple[int, int], say: Say) -> tuple[Doubles, 
 
 # ---- verdicts ----
 
-def _truth(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Verdict]:
+def truth_for(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Verdict]:
     """The right picture, as exact as the noise of theirs asks for."""
     for level in LEVELS[1:]:
         studio.at(level)
@@ -117,14 +117,14 @@ def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
            made: Studios) -> Case:
     """Judge pictures (k, h, w, 3) with these names, and look for the cause of a wrong one."""
     studio = made(1, CONVENTIONS[0])
-    case = Case(name, pictures, theirs, *_truth(studio, theirs, rounding))
+    case = Case(name, pictures, theirs, *truth_for(studio, theirs, rounding))
     if case.verdict.is_right:
         return case
     facets = any('"%s"' % word in studio.text for word in FACETS)
     likes = [like for like in CONVENTIONS if (facets or not like.is_separable)
              and (studio.map is not None or not like.is_bilinear)]
     for like in likes[1:]:
-        other = Case(name, pictures, theirs, *_truth(made(1, like), theirs, rounding), like.name)
+        other = Case(name, pictures, theirs, *truth_for(made(1, like), theirs, rounding), like.name)
         if other.verdict.is_right:
             return other
     step = max(math.ceil(math.sqrt(studio.alpha.size / MOST)), 1)
@@ -221,19 +221,14 @@ def data(case: Case) -> dict[str, Any]:
             "causes": [{"name": f.name, "p": f.verdict.p} for f in case.named]}
 
 
-def _picture_of_z(z: Doubles) -> Doubles:
-    """|z| from 0 to 8 in the colours of heat."""
-    return heat(np.minimum(np.abs(z), 8).ravel() / 8).reshape(z.shape + (3,))
-
-
 def write_page(path: str, cases: list[Case], said: str) -> None:
     """Write a page: of each scene theirs, ours, z, and the cause's picture."""
     shown = []
     for case in cases:
         ours = case.truth.mean.astype(np.float32)
-        ev = exposure_of(ours)
+        ev, z = exposure_of(ours), case.verdict.z
         pictures = {"theirs": page.png(case.theirs.mean(0), ev), "ours": page.png(ours, ev),
-                    "z": page.png(_picture_of_z(case.verdict.z), 0.0)}
+                    "z": page.png(heat(np.abs(z).ravel() / 8).reshape(z.shape + (3,)), 0.0)}
         if case.named:
             pictures["cause"] = page.png(case.named[0].truth.mean, ev)
         shown.append({**data(case), "verdict": _said(case), "shown": pictures,
@@ -257,5 +252,5 @@ def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
         save_image(os.path.join(place, name + "-stderr.exr"), error)
         lines.append("%-16s %.2g %% a pixel. %s\n"
                      % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
-                        kit.about(name)))
+                        kit.SCENES[name].about))
     return "".join(lines)

@@ -140,7 +140,8 @@ class _Tiles:
 
     def variance(self, copies: Doubles) -> Doubles:
         """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter. A few may agree
-        by chance, so for them it is no less than its mean over all tiles, as a share."""
+        by chance, so for them it is no less than its mean over all tiles, as a share, and is known
+        as well as by MANY."""
         each = np.stack([self.means(one) for one in copies])
         own = each.var(0, ddof=1) / len(copies)
         if len(copies) < MANY:
@@ -267,7 +268,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     free = np.broadcast_to(rounding * np.abs(ours).max(1, keepdims=True, initial=0), ours.shape)
     of_floats = (free / 10) ** 2  # what is beyond it is a mistake even where nothing is noisy
     each = np.stack([tiles.means(one) for one in d])
-    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (of_floats, math.inf)]
+    errors = [(noise, dof), (own, max(len(truth.copies), MANY) - 1.0), (of_floats, math.inf)]
     total = noise + own + of_floats
     skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
     z = _welch(_beyond(each.mean(0), free, noise + own), errors, skewness)
