@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any, Callable, NamedTuple, Optional
 
@@ -183,11 +184,11 @@ class Studio:
     def _quotients(self) -> dict[Weight, Doubles]:
         weights = [*WEIGHTS.values(), separable]
         q = np.ones((len(weights), self.n) + self.alpha.shape + (3,))
-        stage = self.scene.stage()
+        stage, rays = self.scene.stage(), max(RAYS, self.spp)
         for y, x in np.argwhere(self.alpha == 1).tolist():
             if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
-                q[:, :, y, x] = _quotients(stage, self.map, weights, self.n, max(RAYS, self.spp),
-                                           y * 65537 + x)
+                drawn = stage.rays(runs=self.n, seed=y * 65537 + x, integrator="em", samples=rays)
+                q[:, :, y, x] = _quotients(stage, self.map, weights, self.n, drawn)
         return dict(zip(weights, q))
 
     def quotient(self, weight: Weight) -> Doubles:
@@ -203,11 +204,10 @@ class Studio:
 Make = Callable[[Studio], Optional[Truth]]
 
 
-def _quotients(stage: Any, light: Optional[Envmap], weights: list[Weight], n: int, rays: int,
-               seed: int) -> Doubles:
+def _quotients(stage: Any, light: Optional[Envmap], weights: list[Weight], n: int,
+               drawn: Any) -> Doubles:
     """How each weight changes the radiance (weights, n, 3) at a stage's point: pseudo-values of a
     jackknife over n groups of rays. The light has the colours of its map, if that is known."""
-    drawn = stage.rays(runs=n, seed=seed, integrator="em", samples=rays)
     hit = stage.about()["hit"]
     look = stage.look(drawn.wi)
     part = np.divide(look.product * drawn.seen, look.q_map, out=np.zeros(len(drawn.wi)),
@@ -463,7 +463,8 @@ def _far(verdict: Verdict) -> float:
 def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
          rounding: float) -> Optional[Found]:
     """Hold a cause against the picture, at a studio's level. None: the scene cannot have it."""
-    truth = studio.once(name, lambda: make(studio))
+    truth = studio.once(make, lambda: make(studio))
+    key = name
     if truth is None:
         return None
     if name.startswith(FACTOR):
@@ -471,8 +472,8 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
         if name.endswith(ON_SURFACES):
             fixed = truth.mean * (1 - studio.alpha[..., None])
         said, truth = _factor(theirs, truth, fixed)
-        return Found(name.replace(FACTOR, said), judge(theirs, truth, rounding), truth, name, make)
-    return Found(name, judge(theirs, truth, rounding), truth, name, make)
+        name = name.replace(FACTOR, said)
+    return Found(name, judge(theirs, truth, rounding), truth, key, make)
 
 
 def _cut_off(m: Floats, power: float) -> Floats:
@@ -563,8 +564,10 @@ def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUN
            causes: Optional[dict[str, Make]] = None) -> list[Found]:
     """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong, whose tiles have a
     noise (a share of the mean). The one that fits best comes first."""
-    found = _refined(studio, causes or CAUSES, theirs, noise, rounding)
-    if causes is None and studio.map is not None:
-        more = _of_numbers(studio, theirs, _open_numbers(found))
-        found += _refined(studio, more, theirs, noise, rounding)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a half of a map may be black
+        found = _refined(studio, causes or CAUSES, theirs, noise, rounding)
+        if causes is None and studio.map is not None:
+            more = _of_numbers(studio, theirs, _open_numbers(found))
+            found += _refined(studio, more, theirs, noise, rounding)
     return sorted(found, key=lambda f: (-f.verdict.p, _far(f.verdict)))
