@@ -60,6 +60,15 @@ class Verdicts(unittest.TestCase):
             return float(verdict.normal_p(v.z).min())
         self.assertTrue(all(too_many(p_values(1, 1.0, worst))))
 
+    def test_a_filter_wider_than_a_pixel_makes_neighbours_alike(self):
+        truth, theirs = pictures(4, 0.5)
+        noise, taps = theirs - truth.mean, (0.25, 0.5, 0.25)
+        for axis in (1, 2):
+            noise = sum(t * np.roll(noise, i, axis) for i, t in enumerate(taps))
+        for spread, is_right in ((0.375 ** -2, True), (1.0, False)):  # 0.375: of squared taps
+            v = verdict.judge(truth.mean + noise, truth._replace(spread=spread))
+            self.assertEqual(v.is_right, is_right)
+
     def test_small_mistakes_are_seen(self):
         truth, theirs = pictures(8, 0.1)
         for name, wrong in (("0.2 %", theirs * 1.002), ("moved", np.roll(theirs, 1, 2)),
