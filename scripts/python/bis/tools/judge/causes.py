@@ -523,6 +523,8 @@ def _of_numbers(studio: Studio, theirs: Doubles, names: Iterable[str]) -> dict[s
         is_cut = change is _cut_off
         coarse = [most - i for i in range(1, 9)] if is_cut else [i / 32 for i in range(32)]
         v = _fitted(studio, theirs, name, coarse)
+        if not is_cut and abs(4 * v - round(4 * v)) < 4 / TURNS:
+            continue  # quarters are in the list
         causes[name % (2 ** v if is_cut else 360 * (v - round(v)))] = _of_map(
             lambda m, f=change, v=v: f(m, v))
     return causes
@@ -543,6 +545,7 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
              rounding: float) -> list[Found]:
     """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
+    enough = SMALL * max(noise, rounding)
     for level in LEVELS:
         if not causes:
             break
@@ -552,7 +555,7 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
             one = _try(studio, name, make, theirs, rounding)
             if one is None:
                 continue
-            if one.verdict.p < REJECTED or one.verdict.own < SMALL * noise or level == LEVELS[-1]:
+            if one.verdict.p < REJECTED or one.verdict.own < enough or level == LEVELS[-1]:
                 found.append(one)
             else:
                 left[name] = make

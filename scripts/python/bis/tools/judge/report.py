@@ -48,13 +48,16 @@ class Case:
         return [f for f in self.causes if f.verdict.p >= WRONG]
 
     @property
+    def is_told(self) -> bool:
+        """Whether the cause that fits best is no mere factor, which may be what is left of another
+        mistake."""
+        return bool(self.named) and not self.named[0].name.startswith(ANY_FACTOR)
+
+    @property
     def is_sure(self) -> bool:
-        """Whether one cause is named, or several that make one picture. A factor that is no known
-        one may be what is left of another mistake."""
-        best = self.named[:1]
-        if not best or best[0].name.startswith(ANY_FACTOR):
-            return False
-        return all(judge(best[0].truth.copies, f.truth).is_right for f in self.named[1:])
+        """Whether one cause is told, or several that make one picture."""
+        return self.is_told and all(judge(self.named[0].truth.copies, f.truth).is_right
+                                    for f in self.named[1:])
 
 
 # ---- files ----
@@ -104,7 +107,7 @@ def truth_for(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, 
         studio.at(level)
         truth = studio.right()
         verdict = judge(theirs, truth, rounding)
-        if verdict.own < SMALL * verdict.noise or verdict.p < REJECTED:
+        if verdict.own < SMALL * max(verdict.noise, rounding) or verdict.p < REJECTED:
             break
     return truth, verdict
 
@@ -133,9 +136,12 @@ def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
         near = {f.key: f.make for f in case.causes[:NEAREST]}
+        before = case.causes
         case.causes = search(studio, thin, case.verdict.noise, rounding, near or None)
-        if case.named:
+        if case.is_told:
             break
+        if before and not case.named:
+            case.causes = before
     if case.named and case.named[0].name in CURVES:
         case.refusal = "the picture holds %s: write linear light" % case.named[0].name
     return case
