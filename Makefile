@@ -156,7 +156,7 @@ $B/src/cli/ranks_mpi.o: src/cli/ranks_mpi.c $B/.flags
 	$Q$(MPICC) $(CFLAGS) $(OURS) -Wformat=2 -MMD -MP -c -o $@ $<
 $B/bis-data: $(DATA_SRC:%.c=$B/%.o) $(LIB)
 	$(LINK) $(LIBS)
-$B/bench_error $B/bench_cost: $B/scripts/bench/measure.o
+$B/bench_error: $B/scripts/bench/measure.o
 $B/figures: $(patsubst %.c,$B/%.o,$(wildcard scripts/figures/*.c)) $B/scripts/bench/measure.o $(LIB)
 	$(LINK) $(LIBS)
 $(TOOLS): $B/%: $B/scripts/bench/%.o $(LIB)

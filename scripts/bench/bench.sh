@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # bench: speed and error as ratios, each with its spread, all on one core. docs/trust.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
-# Sections: references cost threads equal resample reach steps rival table, all by default. Each writes
+# Sections: references equal resample reach steps rival table, all by default. Each writes
 # build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
-# compared stand on top of scripts/bench/bench_error.c and bench_cost.c.
+# compared stand on top of scripts/bench/bench_error.c.
 # BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
 set -eu
 build=$1
@@ -91,12 +91,11 @@ beside_mitsuba() {
     fi
 }
 
-[ $# -gt 0 ] || set -- references cost threads equal resample reach steps rival table
+[ $# -gt 0 ] || set -- references equal resample reach steps rival table
 for section; do
     [ "$section" = table ] || echo "== $section"
     case $section in
     references) keep "$out/references.txt" references ;;
-    cost | threads) keep "$out/$section.txt" "$build/bench_cost" "$section" "$out/scenes/$first" ;;
     equal) keep "$out/equal.txt" each_pair equal ;;
     resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
     reach)
@@ -110,7 +109,7 @@ for section; do
     rival) beside_mitsuba ;;
     table)
         awk -f scripts/bench/bench_table.awk \
-            $(for f in references cost threads equal resample reach steps rival; do
+            $(for f in references equal resample reach steps rival; do
                 [ -r "$out/$f.txt" ] && echo "$out/$f.txt"
             done) ;;
     *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;

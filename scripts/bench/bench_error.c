@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* bench_error: what error at what time? One thread, in this process, against a reference (scripts/bench/measure.h).
  *
- *     bench_error reference SECONDS SCENE      make the four materials' references, so that nothing else has to wait
- * for them bench_error equal SECONDS SCENE          the settings `contest`, N tuned to 20 us a shaded pixel bench_error
- * resample SECONDS SCENE       the settings `resamplers` as they are bench_error reach SECONDS SCENE          seconds
- * until relMSE 1e-2 and 1e-3 with the settings `reach`, by doubled passes bench_error steps SECONDS SCENE          the
- * settings `steps`, 16 antialiased camera samples each
+ *     bench_error reference SECONDS SCENE    makes the four materials' references, so that nothing else waits for them
+ *     bench_error equal SECONDS SCENE        the settings `contest`, N tuned to 20 us a shaded pixel
+ *     bench_error resample SECONDS SCENE     the settings `resamplers` as they are
+ *     bench_error reach SECONDS SCENE        seconds until relMSE 1e-2 and 1e-3, settings `reach`, by doubled passes
+ *     bench_error steps SECONDS SCENE        the settings `steps`, 16 antialiased camera samples each
  *
  * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for
  * scripts/bench/bench_table.awk.

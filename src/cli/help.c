@@ -32,6 +32,7 @@ const bis_subcommand bis_subcommands[] = {
     {"judge", NULL, "is a picture of another renderer right, and if not, why?"},
     {"pixel", NULL, "all about one pixel: every method against the exact integral"},
     {"verify", bis_cmd_verify, "is it right? samplers, materials, integrators on your own files"},
+    {"irradiance", NULL, "how much light arrives at points"},
     {"tev", NULL, "render, and show the passes in the viewer tev"},
     {"help", bis_cmd_help, "this list; the options of a command; a topic; the man page"},
     {NULL, NULL, NULL},

@@ -10,6 +10,7 @@
 #include "flat/face.h"
 #include "flat/wishes.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,7 @@ void bis_flat_scene_end(bis_flat_scene *s)
 {
     for (int i = 0; i < s->n_lights; i++) bis_light_free(s->lights[i].light);
     bis_light_free(s->given);
+    bis_free(s->points);
     bis_scene_free(s->scene);
     bis_scene_desc_free(s->desc);
 }
@@ -93,12 +95,58 @@ void bis_flat_scene_close(bis_flat_scene *scene)
     bis_free(scene);
 }
 
+/* ---- points ---- */
+
+/* The first of n points that is none; n: all are. */
+static size_t read_points(ray *points, size_t n, const float *p, const float *normal)
+{
+    for (size_t i = 0; i < n; i++, p += 3, normal += 3) {
+        const double x = (double)normal[0], y = (double)normal[1], z = (double)normal[2];
+        const double l = hypot(hypot(x, y), z);
+        points[i] = (ray){{p[0], p[1], p[2]}, vec3_from(-x / l, -y / l, -z / l), INFINITY};
+        if (!vec3_is_finite(points[i].o) || !vec3_is_finite(points[i].d) || !isfinite(l)) return i;
+    }
+    return n;
+}
+
+bis_status bis_do_scene_points(bis_flat_scene *scene, int width, int height, const float *point, const float *normal,
+                               bis_diag *diag)
+{
+    bis_view *view = &scene->desc->view;
+
+    if (scene->points) *view = scene->view;
+    bis_free(scene->points);
+    scene->points = NULL;
+    if (width == 0 && height == 0) return BIS_OK;
+    if (width < 1 || height < 1 || width > BIS_IMAGE_MAX_SIDE || height > BIS_IMAGE_MAX_SIDE)
+        return bis_flat_refuse(diag, "%d x %d points: give sides from 1 to %d", width, height, BIS_IMAGE_MAX_SIDE);
+    if (!point || !normal) return bis_flat_refuse(diag, "no points are given: give an array");
+    if (!scene->scene->accel) return bis_flat_refuse(diag, "the scene has no shapes: ask its map for the irradiance");
+    const size_t n = (size_t)width * (size_t)height;
+    ray *points = bis_alloc(n, sizeof *points);
+    if (!points) return bis_error(diag, BIS_NOMEM, nowhere, "no memory for %zu points", n);
+    const size_t bad = read_points(points, n, point, normal);
+    if (bad < n) {
+        bis_free(points);
+        return bis_flat_refuse(diag, "point %zu: give finite numbers, and a normal that is not 0", bad);
+    }
+    scene->view = *view;
+    view->camera.points = scene->points = points;
+    view->film = (bis_film_desc){width, height, {0, 1, 0, 1}, view->film.layers};
+    view->edge_samples = 1; /* neighbours on the film are none on a surface */
+    return BIS_OK;
+}
+
 /* ---- what changes from picture to picture ---- */
 
 bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag)
 {
     if (d->accel.kind != s->desc->accel.kind)
         return bis_flat_refuse(diag, "the accelerator of an open scene is built: open it with another");
+    const bis_film_desc *own = &s->desc->view.film, *film = &d->view.film;
+
+    if (s->points && (film->width != own->width || film->height != own->height))
+        return bis_flat_refuse(diag, "points stand in the place of pixels: their picture has their size");
     if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
     return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the camera: open the scene with this "
                            "camera");

@@ -36,6 +36,8 @@ enum { BIS_FLAT_LIGHTS = 8 };
 struct bis_flat_scene {
     bis_scene_desc *desc;
     bis_scene *scene;
+    ray *points;      /* of bis_flat_scene_points */
+    bis_view view;    /* the scene's own, while points stand in the place of its pixels */
     bis_image pixels; /* of a light in the place of the scene's; borrowed */
     double parse_seconds;
     bool is_kept;     /* built for all methods, because more than one picture is made of it */

@@ -84,7 +84,7 @@ const bis_identity_struct bis_identity_structs[] = {
     /* what passes add up; of the layers those that are asked for count; whether the film is transparent follows from
      * `visible` of the light */
     {"bis_film", film, "sum deviation half hits passes weight half_weight most independent transparent layers twin"},
-    {"bis_camera", camera, ""},
+    {"bis_camera", camera, "points"}, /* they are given to a process that keeps no checkpoint */
     {"bis_sampler", sampler, ""},
     {"bis_sampler", division, ""},
     /* of the film the sizes of a bis_film count; settings: hash_settings */

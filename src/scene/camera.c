@@ -7,6 +7,8 @@
  * come to the same. */
 #include "bis/scene/camera.h"
 
+#include <stddef.h>
+
 /* x0, x1, y0, y1 on the screen. */
 static void window(const bis_camera *c, int width, int height, double w[4])
 {
@@ -23,6 +25,8 @@ static void window(const bis_camera *c, int width, int height, double w[4])
 
 ray bis_camera_ray(const bis_camera *c, int width, int height, double x, double y)
 {
+    if (c->points) return c->points[(size_t)y * (size_t)width + (size_t)x];
+
     double w[4];
     window(c, width, height, w);
     const double sx = w[0] + (w[1] - w[0]) * (x / width);
@@ -43,9 +47,25 @@ ray bis_camera_ray(const bis_camera *c, int width, int height, double x, double 
     return (ray){vec3_from(o[0], o[1], o[2]), vec3_from(d[0] / norm, d[1] / norm, d[2] / norm), INFINITY};
 }
 
+static void box_of_points(const ray *points, size_t n, double box[6])
+{
+    for (size_t i = 0; i < n; i++) {
+        const double o[3] = {(double)points[i].o.x, (double)points[i].o.y, (double)points[i].o.z};
+        for (int k = 0; k < 3; k++) {
+            box[k] = i == 0 ? o[k] : fmin(box[k], o[k]);
+            box[3 + k] = i == 0 ? o[k] : fmax(box[3 + k], o[k]);
+        }
+    }
+}
+
 /* Origins are an affine function of the place on the film: their extremes lie at its corners. */
 void bis_camera_eyes(const bis_camera *c, int width, int height, double box[6])
 {
+    if (c->points) {
+        box_of_points(c->points, (size_t)width * (size_t)height, box);
+        return;
+    }
+
     double w[4];
     window(c, width, height, w);
     for (int i = 0; i < 3; i++) {

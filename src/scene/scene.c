@@ -8,6 +8,7 @@
 #include "bis/base/clock.h"
 #include "bis/base/mem.h"
 #include "bis/base/threads.h"
+#include "bis/thesis/phong.h"
 #include "bump.h"
 #include "files/obj.h"
 #include "files/ply.h"
@@ -330,6 +331,16 @@ bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, ray
     if (hit) *hit = first;
     bis_scene_point_at(pt, m, s, eye, first.prim, counters);
     return true;
+}
+
+void bis_scene_point_given(bis_point *pt, const bis_scene *s, ray eye, bis_counters *counters)
+{
+    static const bis_material white = {.model = &bis_phong_model, .Kd = {1, 1, 1}};
+    const vec3 n = neg(eye.d);
+
+    *pt = (bis_point){.p = eye.o, .n = n, .ng = n, .origin = eye.o, .wo = n, .light = s->light, .accel = s->accel,
+        .counters = counters};
+    bis_bsdf_init(&pt->bsdf, &white, n, n);
 }
 
 /* Spheres and disks come behind all triangles, in the order of the shapes. */

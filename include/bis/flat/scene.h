@@ -29,6 +29,15 @@ int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, con
                           const bis_light *light, bis_flat_watcher *watcher, void *user,
                           const volatile sig_atomic_t *stop, char *say, size_t size);
 
+/* bis_flat_scene_points puts points into the place of pixels: the pictures of the scene have width x height pixels, and
+ * the radiance of each times pi is the irradiance at point[height][width][3] on a surface of this
+ * normal[height][width][3], which need not be of length 1. The points need not lie on shapes; one that does should be
+ * lifted off its surface by the error of its coordinates. Arrays are copied. 0 x 0: pixels of the scene's own view
+ * again; then point (may be NULL) and normal (may be NULL) are not read. Errors: BIS_INPUT (a side outside
+ * [1, BIS_IMAGE_MAX_SIDE], a value that is not finite, a normal of length 0, a scene without shapes), BIS_NOMEM. */
+int bis_flat_scene_points(bis_flat_scene *scene, int width, int height, const float *point, const float *normal,
+                          char *say, size_t size);
+
 /* bis_flat_scene_about returns as JSON what such a picture would be of: the film, the integrator with its parameters,
  * as a line of a scene and as options, the seed, the light. *text belongs to the scene, until the next call. Errors:
  * BIS_INPUT (a setting), BIS_NOMEM. */

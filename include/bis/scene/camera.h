@@ -16,6 +16,9 @@ typedef struct bis_camera {
     double screen[4];
     double frame_aspect;      /* 0: width / height of the film */
     bis_xform to_world;       /* camera space to world */
+    /* points[height][width] in the place of all this: pixel by pixel a point o and -n of its surface as d
+     * (bis_scene_point_given); borrowed. NULL: a camera */
+    const ray *points;
 } bis_camera;
 
 /* bis_camera_ray returns the ray through the place (x, y) of the full image, x in [0, width], y in [0, height], y

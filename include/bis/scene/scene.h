@@ -249,6 +249,10 @@ bool bis_scene_point(bis_point *pt, bis_own_material *m, const bis_scene *s, ray
 void bis_scene_point_at(bis_point *pt, bis_own_material *m, const bis_scene *s, ray eye, uint32_t prim,
                         bis_counters *counters);
 
+/* bis_scene_point_given stores in *pt a white diffuse surface (Kd = 1) at `eye` of bis_camera.points, which no shape
+ * needs to be. Its radiance is the irradiance there over pi. */
+void bis_scene_point_given(bis_point *pt, const bis_scene *s, ray eye, bis_counters *counters);
+
 /* bis_scene_shape_of returns the shape (an index into desc->shapes) that primitive `prim` of the geometry belongs to.
  * *part receives the triangle in this shape, from 0; for a sphere or disk it is 0. */
 size_t bis_scene_shape_of(const bis_scene *s, uint32_t prim, size_t *part);

@@ -21,6 +21,7 @@ from ._errors import Error, Status, WrongType
 if TYPE_CHECKING:
     from ._image import Comparison, Place, compare, compare_colours, exposure_of, read_image
     from ._image import save_image
+    from ._irradiance import Harmonics
     from ._library import version
     from ._points import points
     from ._render import LAYERS, Picture, Progress, Scene, about, render
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "_image": ("Comparison", "Place", "compare", "compare_colours", "exposure_of", "read_image",
                "save_image"),
+    "_irradiance": ("Harmonics",),
     "_library": ("version",),
     "_points": ("points",),
     "_render": ("LAYERS", "Picture", "Progress", "Scene", "about", "render"),
@@ -43,7 +45,7 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = ["AliasTable", "Camera", "Comparison", "Defects", "Envmap", "Error",
-           "LAYERS", "Material", "Mesh", "Picture", "Place", "Progress", "Regions",
+           "Harmonics", "LAYERS", "Material", "Mesh", "Picture", "Place", "Progress", "Regions",
            "Scene", "Stage", "Status", "WrongType", "about", "compare", "compare_colours",
            "exposure_of", "points", "read_image", "render", "save_image", "version"]
 

@@ -22,6 +22,7 @@ from ._sampling import Envmap
 from ._scene import Camera
 
 if TYPE_CHECKING:
+    from ._irradiance import Arriving
     from ._stage import Stage
 
 _WATCHER = ctypes.CFUNCTYPE(None, D, D, D, P)
@@ -370,6 +371,39 @@ class Scene(Handle):
         how = texts(_said(layers, crop, camera, progress, settings))
         with self._busy:
             return _picture(flat.scene_render, self._handle, how, light, progress, stop)
+
+    def irradiance(self, points: ArrayLike, normals: ArrayLike, *, lift: Optional[float] = None,
+                   **settings: Any) -> Arriving:
+        """Estimate how much light arrives at points, which need not lie on shapes.
+
+        Parameters
+        ----------
+        points, normals : array (n, 3)
+            In world space; a normal may have any length but 0.
+        lift : float, optional
+            How far points are moved along their normals, off the surfaces on which they may lie;
+            without it, 2e-6 of the largest coordinate, the error of six digits.
+        **settings
+            As those of `render`: spp, error, seed, integrator and the like.
+
+        Returns
+        -------
+        Arriving
+            E (n, 3), the half-width of its 95 % interval, and stats.
+        """
+        from ._irradiance import at_points
+        return at_points(self, points, normals, lift, **settings)
+
+    def _of_points(self, points: Floats, normals: Floats, settings: dict[str, Any]) -> Picture:
+        """The picture in which points (h, w, 3) stand in the place of pixels."""
+        height, width = points.shape[:2]
+        how = texts(_said(["interval"], None, None, None, settings))
+        with self._busy:
+            call(flat.scene_points, self._handle, width, height, points, normals)
+            try:
+                return _picture(flat.scene_render, self._handle, how, None, None, None)
+            finally:
+                call(flat.scene_points, self._handle, 0, 0, None, None)
 
     def stage(self, light: Light = None) -> Stage:
         """Look at points of the scene.

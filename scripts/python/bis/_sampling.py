@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._library import D, INT, Doubles, Error, Floats, Handle, Made, WrongType, array, call, filled
 from ._library import flat, given, numbers, opened, real, shape, text_bytes, texts, whole
+from ._irradiance import Harmonics, harmonics, irradiance
 
 
 def uniform(n: int, seed: int = 0, stream: int = 0) -> Doubles:
@@ -308,6 +309,36 @@ class Envmap(Handle):
                        0 if width is None else min(max(whole("width", width), -1), 1 << 30), power)
         before, after = power.tolist()
         return taken(image)[0], before, after
+
+    def irradiance(self, normals: ArrayLike) -> Doubles:
+        """Integrate what arrives at surfaces, exactly: nothing hides them.
+
+        Parameters
+        ----------
+        normals : array (n, 3)
+            Of any length but 0.
+
+        Returns
+        -------
+        array (n, 3)
+            The integral of radiance times cosine over the hemisphere, thesis eq. 2.2 without V.
+        """
+        return irradiance(self, normals)
+
+    def harmonics(self, frame: str = "bis") -> Harmonics:
+        """Project the map on nine spherical harmonics, and find how wrong they are.
+
+        Parameters
+        ----------
+        frame : {"bis", "blender", "mitsuba", "three", "unity"}
+            Whose axes: those of a program that shows the same picture.
+
+        Returns
+        -------
+        Harmonics
+            Coefficients of radiance and of irradiance, and the error of the second.
+        """
+        return harmonics(self, frame)
 
     def sample(self, n: Optional[int] = None, seed: int = 0,
                u: Optional[ArrayLike] = None) -> tuple[Floats, Floats, Doubles]:

@@ -281,7 +281,11 @@ class Command(unittest.TestCase):
         path = self.save("hand.pfm", BY_HAND)
         words, messages = self.run_it("{}/hand.pfm", "--levels", "4")
         found = json.loads(self.run_it("{}/hand.pfm", "--levels", "4", "--json")[0])
-        self.assertEqual(words, REPORT % (path, "%.1f" % (found["table_bytes"] / 8)))
+        diagnosis = re.search("\nfrom above .*\nsuspicious .*?\n", words, re.DOTALL).group()
+        self.assertEqual(words.replace(diagnosis, ""), REPORT % (path, "%.1f" % (found["table_bytes"] / 8)))
+        # A pixel of the upper row is a quarter of the hemisphere: pi/4.
+        self.assertIn("E = 1.571 0.7854 0.7854; exposure +1.6 EV", diagnosis)
+        self.assertIn("suspicious  1 NaN, 2 infinite, 3 negative: these values count as 0\n", diagnosis)
         self.assertIn("{}/hand.pfm: warning: ", messages)
         a = math.sqrt(3 / 8)
         self.assertEqual({k: found[k] for k in ("width", "height", "mapping", "power_before", "power_after")}, {

@@ -6,7 +6,7 @@ import importlib
 import os
 import sys
 
-INSTRUMENTS = ("trade", "pixel", "envmap", "judge", "tev")
+INSTRUMENTS = ("trade", "pixel", "envmap", "judge", "irradiance", "tev")
 
 
 def main() -> None:

@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
 from .._errors import Error, Status
 from . import command, files, text
@@ -17,10 +17,12 @@ from .scenes import telling
 
 if TYPE_CHECKING:  # they need numpy, and the help does not
     from .._sampling import Envmap
+    from .doctor import Diagnosis
     from .survey import Direction, Map, Survey
 
 MAPPINGS = ("latlong", "angular", "equalarea", "mirrorball", "verticalcross", "horizontalcross",
             "cubestrip")
+CONVENTIONS = ("bis", "blender", "mitsuba", "three", "unity")
 ENDINGS = (".exr", ".pfm", ".hdr", ".png")
 PICTURES = ("map", "levels", "regions", "importance")
 
@@ -40,6 +42,10 @@ COMMAND = Command(
         Option("areaexponent", "B",
                "importance goes with min(0.01 sr, a region's solid angle) to the power of B (0.15)",
                REAL, lo=0, hi=10, default=0.15),
+        Option("convention", "P",
+               "directions along the axes of a program that shows the same picture: bis (the "
+               "default), blender, mitsuba, three (three.js, glTF viewers) or unity", NAME,
+               names=CONVENTIONS, default="bis"),
         Heading("what to write"),
         Option("to", "M",
                "no report, but the map itself in mapping M, to the file of --out; energy is kept, "
@@ -54,11 +60,11 @@ COMMAND = Command(
                hi=1000000, default=300),
     ],
     1, 1,
-    "Directions are in the map's own frame: z is up, towards row 0; theta is the\n"
-    "angle from it, phi runs with the columns. Levels are equal steps of the\n"
-    "logarithm of r+g+b, regions are connected pixels of one level, a light\n"
-    "source each. On the pictures brighter is more; the importance is the\n"
-    "density by which directions are drawn, on a logarithmic scale.\n")
+    "Without --convention directions are in the map's own frame: z is up, towards\n"
+    "row 0; theta is the angle from it, phi runs with the columns. Levels are\n"
+    "equal steps of the logarithm of r+g+b, regions are connected pixels of one\n"
+    "level, a light source each. On the pictures brighter is more; the importance\n"
+    "is the density by which directions are drawn, on a logarithmic scale.\n")
 
 
 # ---- the report ----
@@ -70,6 +76,24 @@ def _change(before: float, after: float) -> float:
 
 def _vector(d: Direction) -> str:
     return "(%.3f %.3f %.3f)" % (d.x, d.y, d.z)
+
+
+def _doctor_text(d: Diagnosis) -> str:
+    h = d.harmonics
+    lines = [
+        "\nfrom above  E = %.4g %.4g %.4g; exposure %+.1f EV makes a grey card that faces up middle "
+        "grey" % (*d.irradiance, d.exposure),
+        "to 1 %%      of this E, nothing hidden: %s samples" % ", ".join(
+            "%.2g by %s" % (n, method) for method, n in d.samples.items()),
+        "nine SH     their irradiance is off by %.1f %% (rms), at worst %.0f %%" % (
+            100 * h.of_itself[0], 100 * h.of_itself[1])]
+    for lamp in d.lamps:
+        where = lamp.direction
+        lines.append("%-12s%5.2f%% of the power, %.3g sr, theta %.1f, phi %.1f   %s" % (
+            "sun" if lamp.is_sun else "lamp", 100 * lamp.share, lamp.solid_angle, where.theta,
+            where.phi, _vector(where)))
+    lines += ["suspicious  " + words for words in d.findings or ["nothing"]]
+    return "".join(line + "\n" for line in lines)
 
 
 def _levels_text(s: Survey) -> str:
@@ -92,7 +116,7 @@ def _largest_text(s: Survey) -> str:
     return "".join(lines)
 
 
-def report_text(path: str, s: Survey, light: Envmap) -> str:
+def report_text(path: str, s: Survey, light: Envmap, found: Diagnosis) -> str:
     """The report as text."""
     height, width = light.shape
     from_another = light.mapping != "latlong"
@@ -123,14 +147,28 @@ def report_text(path: str, s: Survey, light: Envmap) -> str:
     lines += ["regions     %d in %d level%s" % (s.n_regions, n, "" if n == 1 else "s"),
               "table       %.1f bytes a pixel beyond the map" % a_pixel]
     words = "".join(line + "\n" for line in lines)
-    return words + _levels_text(s) + _largest_text(s) if s.power > 0 else words
+    if s.power == 0:
+        return words
+    return words + _doctor_text(found) + _levels_text(s) + _largest_text(s)
 
 
 def _direction_data(d: Any) -> Any:
     return d and {"theta_deg": d.theta, "phi_deg": d.phi, "x": d.x, "y": d.y, "z": d.z}
 
 
-def report_data(path: str, s: Survey, light: Envmap) -> dict[str, Any]:
+def _doctor_data(d: Diagnosis) -> dict[str, Any]:
+    h = d.harmonics
+    return {
+        "irradiance_up": d.irradiance.tolist(), "exposure": d.exposure, "samples": d.samples,
+        "lamps": [{"sun": lamp.is_sun, "power_share": lamp.share,
+                   "solid_angle": lamp.solid_angle, "direction": _direction_data(lamp.direction)}
+                  for lamp in d.lamps],
+        "harmonics": {"radiance": h.radiance.tolist(), "irradiance": h.irradiance.tolist(),
+                      "error_of_mean": h.of_mean, "error_of_itself": h.of_itself},
+        "suspicious": d.findings}
+
+
+def report_data(path: str, s: Survey, light: Envmap, d: Diagnosis) -> dict[str, Any]:
     """The report as an object of JSON."""
     before, after = light.resampled or (None, None)
     bad = light.defects
@@ -144,7 +182,7 @@ def report_data(path: str, s: Survey, light: Envmap) -> dict[str, Any]:
         "peak": peak if s.peak_direction else None,
         "bad_values": {"nan": bad.nan, "infinite": bad.infinite, "negative": bad.negative,
                        "sphere_share": bad.solid_angle / (4 * math.pi)},
-        "regions": s.n_regions, "table_bytes": light.table_bytes,
+        "doctor": _doctor_data(d), "regions": s.n_regions, "table_bytes": light.table_bytes,
         "levels": [{"from": level.least, "to": level.most, "pixels": level.pixels,
                     "sphere_share": level.sphere, "power_share": level.power,
                     "regions": level.regions} for level in s.levels],
@@ -257,15 +295,32 @@ def _open(o: SimpleNamespace, source: str, say: Say) -> Envmap:
             raise Error(str(e), e.status if is_read else Status.IO) from None
 
 
+def _turn(s: Survey, d: Diagnosis, convention: str) -> None:
+    """Give all directions along other axes. Their angles stay those of the picture."""
+    from .._irradiance import FRAMES
+
+    def turned(w: Optional[Direction]) -> Any:
+        if w is None:
+            return None
+        x, y, z = (sum(a * b for a, b in zip(axis, w[2:])) for axis in FRAMES[convention])
+        return w._replace(x=x, y=y, z=z)
+
+    s.peak_direction = turned(s.peak_direction)
+    s.largest = [r._replace(direction=turned(r.direction)) for r in s.largest]
+    d.lamps[:] = [lamp._replace(direction=turned(lamp.direction)) for lamp in d.lamps]
+
+
 def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:
-    from . import page, survey
+    from . import doctor, page, survey
 
     m = survey.Map(light)
     s = survey.survey(m, o.levels)
+    d = doctor.diagnose(light, o.convention)
+    _turn(s, d, o.convention)
     if out:
         _write_pictures(o, out, m)
-    data = report_data(source, s, light)
-    words = report_text(source, s, light)
+    data = report_data(source, s, light, d)
+    words = report_text(source, s, light, d)
     if o.html:
         page.write(o.html, "envmap", {**data, **survey.page_data(s, m, o.samples)}, words)
     return text.json(data) if o.json else words

@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""How much light of a map arrives: irradiance for any normal, spherical harmonics, and irradiance at
+points of a scene.
+
+But at points of a scene nothing hides a point here. A pixel has one radiance all over, so the integral over a circle of
+latitude is a difference of running sums. Over the latitudes it is taken by Gauss and Legendre.
+"""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._library import Doubles, Error, array
+
+if TYPE_CHECKING:
+    from ._render import Scene
+    from ._sampling import Envmap
+
+#: World axes of programs that show a lat-long picture as `bis` shows it: the rows give their x, y
+#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/library.md has the sources.
+FRAMES = {
+    "bis": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "blender": ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    "mitsuba": ((0, 1, 0), (0, 0, 1), (-1, 0, 0)),
+    "three": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
+    "unity": ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
+}
+NODES = 3  #: of Gauss and Legendre in a row, at least
+LATITUDES = 1024  #: of the whole map, at least: where a horizon begins, the integrand has a bend
+NORMALS = 1000  #: over which the error of harmonics is told
+CELLS = 1 << 20  #: latitudes times normals at once
+WIDEST = 1024  #: columns that the error of harmonics needs: E hardly sees a texel
+
+_BANDS = np.repeat((0, 1, 2), (1, 3, 5))
+#: Of a clamped cosine in each band (Ramamoorthi and Hanrahan 2001, eq. 8).
+_COSINE = np.array((np.pi, 2 * np.pi / 3, np.pi / 4))[_BANDS]
+
+
+def _latitudes(height: int, nodes: int) -> tuple[Doubles, Doubles]:
+    """Nodes theta and their weights, (height, nodes)."""
+    x, weight = np.polynomial.legendre.leggauss(nodes)
+    step = np.pi / height
+    return (np.arange(height)[:, None] + (x + 1) / 2) * step, np.tile(weight * step / 2, (height, 1))
+
+
+class _Circles:
+    """Integrals of L, L cos(phi) and L sin(phi) along the rows of a map, from phi = 0 to any
+    angle."""
+
+    def __init__(self, pixels: Doubles) -> None:
+        self.width = pixels.shape[1]
+        self.phi = np.arange(self.width + 1) * (2 * np.pi / self.width)
+        self.pixels = pixels
+        parts = np.diff(self._primitive(self.phi), axis=0)  # (width, 3)
+        sums = np.einsum("ykc,kj->ykjc", pixels, parts)
+        self.before = np.zeros((pixels.shape[0], self.width + 1, 3, pixels.shape[2]))
+        np.cumsum(sums, axis=1, out=self.before[:, 1:])
+
+    @staticmethod
+    def _primitive(phi: Doubles) -> Doubles:
+        """Of 1, cos and sin."""
+        return np.stack((phi, np.sin(phi), -np.cos(phi)), axis=-1)
+
+    def until(self, row: ArrayLike, phi: Doubles) -> Doubles:
+        """The three integrals at the angles phi (...), (..., 3, colours)."""
+        turns = np.floor(phi / (2 * np.pi))
+        phi = phi - 2 * np.pi * turns
+        k = np.minimum((phi * (self.width / (2 * np.pi))).astype(int), self.width - 1)
+        part = self._primitive(phi) - self._primitive(self.phi[k])
+        inside = part[..., None] * self.pixels[row, k][..., None, :]
+        return self.before[row, k] + inside + turns[..., None, None] * self.before[row, -1]
+
+
+def arriving(pixels: Doubles, normals: Doubles) -> Doubles:
+    """The irradiance from pixels (h, w, colours) at unit normals (n, 3): (n, colours)."""
+    height = len(pixels)
+    nodes = max(NODES, -(-LATITUDES // height))
+    theta, weight = (a.ravel() for a in _latitudes(height, nodes))
+    row = np.repeat(np.arange(height), nodes)
+    circles = _Circles(pixels)
+    sin, cos = np.sin(theta), np.cos(theta)
+    E = np.empty((len(normals), pixels.shape[2]))
+    step = max(CELLS // len(theta), 1)
+    for i in range(0, len(normals), step):
+        x, y, z = normals[i:i + step, :, None].transpose(1, 0, 2)  # each (step, 1)
+        middle, reach = np.arctan2(y, x), np.hypot(x, y) * sin
+        # Where the cosine to the normal, reach cos(phi - middle) + z cos, is above 0.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            edge = np.where(reach > 0, -z * cos / reach, np.where(z * cos > 0, -1, 1))
+        half = np.arccos(np.clip(edge, -1, 1))
+        arcs = circles.until(row, middle + half) - circles.until(row, middle - half)
+        factors = np.stack(np.broadcast_arrays(z * cos, x * sin, y * sin), axis=-1)
+        E[i:i + step] = np.einsum("nkjc,nkj,k->nc", arcs, factors, weight * sin, optimize=True)
+    return E
+
+
+def irradiance(light: Envmap, normals: ArrayLike) -> Doubles:
+    """See `Envmap.irradiance`."""
+    n = array(normals, 3, np.float64, "normals")
+    length = np.linalg.norm(n, axis=1, keepdims=True)
+    if not ((length > 0) & np.isfinite(length)).all():
+        raise Error("normals holds one of length 0, or that is not finite: give directions")
+    return arriving(light.pixels.astype(np.float64), n / length)
+
+
+def _moments(pixels: Doubles) -> Doubles:
+    """The integrals of L v v^T for v = (1, x, y, z), (4, 4, colours): all polynomials of degree 2."""
+    height, width = pixels.shape[:2]
+    theta, weight = _latitudes(height, NODES)
+    x, share = np.polynomial.legendre.leggauss(NODES)
+    phi = (np.arange(width)[:, None] + (x + 1) / 2) * (2 * np.pi / width)
+    sin, cos, one = np.sin(theta), np.cos(theta), np.ones_like(theta)
+    along = np.stack((np.ones_like(phi), np.cos(phi), np.sin(phi)))  # of 1 and z, x, y
+    circle = np.einsum("iwp,jwp,p->ijw", along, along, share * (np.pi / width))
+    rows = np.einsum("ijw,hwc->ijhc", circle, pixels, optimize=True)
+    which = (0, 1, 2, 0)
+    down = np.einsum("iht,jht,ht->ijh", *2 * (np.stack((one, sin, sin, cos)),), weight * sin)
+    return np.einsum("ijh,ijhc->ijc", down, rows[np.ix_(which, which)])
+
+
+# ---- points of a scene ----
+
+SQUARE = 64  #: pixels; points on a film lie in squares of this side, in each along a curve
+BITS = 10  #: of a coordinate, along the curve
+#: What coordinates of six digits may be off, of the largest coordinate: so far points are lifted.
+LIFT = 2e-6
+
+
+class Arriving(NamedTuple):
+    """Irradiance at points.
+
+    Parameters
+    ----------
+    E : array (n, 3)
+        The integral of radiance times cosine times visibility.
+    interval : array (n, 3)
+        The half-width of its 95 % interval; NaN where too little is known.
+    stats : dict
+        What `--stats` tells of the render.
+    """
+
+    E: Doubles
+    interval: Doubles
+    stats: dict[str, Any]
+
+
+def _spread(k: NDArray[np.int64], step: int) -> NDArray[np.int64]:
+    """Bit i of k moves to bit i step."""
+    bits = (k[..., None] >> np.arange(BITS)) & 1
+    return (bits << (step * np.arange(BITS))).sum(-1)
+
+
+def _gathered(k: NDArray[np.int64], first: int) -> NDArray[np.int64]:
+    """Every second bit of k, from the first on."""
+    bits = (k[..., None] >> (first + 2 * np.arange(BITS))) & 1
+    return (bits << np.arange(BITS)).sum(-1)
+
+
+def _order(p: Doubles, n: Doubles) -> NDArray[np.intp]:
+    """Points that look the same way, along a curve through space: neighbours learn together."""
+    low = p.min(0)
+    size = max(float((p.max(0) - low).max()), np.finfo(float).tiny)
+    cell = ((p - low) / size * ((1 << BITS) - 1)).astype(np.int64)
+    curve = sum(_spread(cell[:, k], 3) << k for k in range(3))
+    looks = (n > 0) @ np.array((1, 2, 4))
+    return np.lexsort((curve, looks))
+
+
+def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optional[float],
+              **settings: Any) -> Arriving:
+    """See `Scene.irradiance`."""
+    p, n = (array(a, 3, np.float64, name) for a, name in ((points, "points"), (normals, "normals")))
+    if p.shape != n.shape or not len(p):
+        raise Error("%d points have %d normals: give one to each" % (len(p), len(n)))
+    length = np.linalg.norm(n, axis=1, keepdims=True)
+    if lift is None:
+        lift = LIFT * float(abs(p).max())
+    order = _order(p, n)
+    side = SQUARE
+    while side > 1 and side * side >= 4 * len(p):
+        side //= 2
+    rows = side * -(-len(p) // (side * side))
+    k = np.arange(rows * side)
+    y, x = k // (side * side) * side + _gathered(k % (side * side), 1), _gathered(k % (side * side), 0)
+    place = np.empty((rows, side), np.intp)
+    place[y, x] = order[np.minimum(k, len(p) - 1)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        lifted = p + n / length * lift
+    picture = scene._of_points(lifted[place].astype(np.float32), n[place].astype(np.float32), settings)
+    E, interval = np.full((2, len(p), 3), np.nan)
+    E[place] = np.pi * picture.rgb
+    if "interval" in picture.layers:  # one pass tells none
+        interval[place] = np.pi * picture.layers["interval"]
+    return Arriving(E, interval, picture.stats)
+
+
+# ---- harmonics ----
+
+class Harmonics(NamedTuple):
+    """Nine coefficients of a map, and what they get wrong.
+
+    Parameters
+    ----------
+    radiance : array (9, 3)
+        The integrals of radiance times each harmonic.
+    irradiance : array (9, 3)
+        The same after the cosine: their sum with the harmonics of a normal is its irradiance.
+    of_mean, of_itself : (float, float)
+        How far this sum is off, in r+g+b: root of the mean square over all normals, and the most.
+        Relative to the mean irradiance, and to what arrives at the same normal (infinite where
+        nothing does).
+    worst : array (3,)
+        The normal with the most, relative to the mean, in the frame.
+    """
+
+    radiance: Doubles
+    irradiance: Doubles
+    of_mean: tuple[float, float]
+    of_itself: tuple[float, float]
+    worst: Doubles
+
+
+def basis(w: Doubles) -> Doubles:
+    """The nine real harmonics of directions (..., 3), in the order of three.js and Unity."""
+    v = np.concatenate((np.ones_like(w[..., :1]), w), axis=-1)
+    return _project(v[..., :, None, None] * v[..., None, :, None])[..., 0]
+
+
+def _project(m: Doubles) -> Doubles:
+    """The nine harmonics of moments (..., 4, 4, colours), (..., 9, colours)."""
+    one, (x, y, z) = m[..., 0, 0, :], (m[..., 0, i, :] for i in (1, 2, 3))
+    a, b = np.sqrt(3 / (4 * np.pi)), np.sqrt(15 / (4 * np.pi))
+    return np.stack((
+        0.5 / np.sqrt(np.pi) * one, a * y, a * z, a * x,
+        b * m[..., 1, 2, :], b * m[..., 2, 3, :],
+        np.sqrt(5 / (16 * np.pi)) * (3 * m[..., 3, 3, :] - one),
+        b * m[..., 1, 3, :], b / 2 * (m[..., 1, 1, :] - m[..., 2, 2, :])), axis=-2)
+
+
+def sphere(n: int) -> Doubles:
+    """n directions that cover the sphere evenly: Fibonacci's spiral."""
+    k = np.arange(n) + 0.5
+    z, phi = 1 - 2 * k / n, k * np.pi * (3 - np.sqrt(5))
+    s = np.sqrt(1 - z * z)
+    return np.stack((s * np.cos(phi), s * np.sin(phi), z), axis=1)
+
+
+def _error(wrong: Doubles, scale: Doubles) -> tuple[float, float]:
+    """The root of the mean square, and the most. What is 0 and told as 0 is not wrong."""
+    with np.errstate(divide="ignore"):
+        r = np.divide(wrong, scale, out=np.zeros_like(wrong), where=wrong != 0)
+    return float(np.sqrt((r * r).mean())), float(abs(r).max())
+
+
+def harmonics(light: Envmap, frame: str = "bis") -> Harmonics:
+    """See `Envmap.harmonics`."""
+    if frame not in FRAMES:
+        raise Error("frame is \"%s\": give one of %s" % (frame, ", ".join(FRAMES)))
+    axes = np.eye(4)
+    axes[1:, 1:] = FRAMES[frame]
+    pixels = light.pixels.astype(np.float64)
+    radiance = _project(np.einsum("ai,bj,ijc->abc", axes, axes, _moments(pixels)))
+    after = radiance * _COSINE[:, None]
+    n = sphere(NORMALS)
+    grey = pixels.sum(2, keepdims=True)
+    while grey.shape[1] > WIDEST and grey.shape[0] % 2 == grey.shape[1] % 2 == 0:
+        grey = (grey[::2, ::2] + grey[1::2, ::2] + grey[::2, 1::2] + grey[1::2, 1::2]) / 4
+    exact = arriving(grey, n)[:, 0]
+    wrong = (basis(n @ axes[1:, 1:].T) @ after).sum(1) - exact
+    return Harmonics(radiance, after, _error(wrong, np.full_like(exact, exact.mean())),
+                     _error(wrong, exact), n[np.argmax(abs(wrong))] @ axes[1:, 1:].T)
