@@ -122,12 +122,13 @@ class Causes(unittest.TestCase):
     def test_a_turn_and_a_cut_are_fitted(self):
         studio = self.studio()
         m = studio.map.pixels
-        for coarse, change, value, off in (
-                (np.arange(2, 6) / 32, causes._turned, 213 / 2048, 1 / 512),
-                (np.arange(2.0, 5.0), lambda m, v: np.minimum(m, 2 ** v), 2.9, 0.1)):
-            with self.subTest(value=value):
-                theirs = self.pictures(studio, light=np.ascontiguousarray(change(m, value)))
-                fitted = causes._fitted(studio, theirs, coarse, change, str(value))
+        for name, coarse, value, off in (
+                ("the map turned by %.3g degrees", np.arange(2, 6) / 32, 213 / 2048, 1 / 512),
+                ("the map cut off at %.3g", np.arange(2.0, 5.0), 2.9, 0.1)):
+            with self.subTest(name):
+                changed = causes.NUMBERS[name](m, value)
+                theirs = self.pictures(studio, light=np.ascontiguousarray(changed))
+                fitted = causes._fitted(studio, theirs, name, coarse.tolist())
                 self.assertLess(abs(fitted - value), off)
 
     def test_twice_the_light_is_named_with_all_that_it_may_be(self):

@@ -26,7 +26,8 @@ from ..._library import Doubles, Floats
 from ..survey import srgb
 from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of, tile_means
 
-LEVELS = ((2, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
+#: Copies of a picture, camera samples of a copy; the last for right pictures alone.
+LEVELS = ((2, 2), (8, 8), (16, 32), (16, 128))
 SURE = 0.01  #: the least p of a cause that is named
 REJECTED = 1e-10  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
@@ -546,7 +547,7 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
     """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
     enough = SMALL * max(noise, rounding)
-    for level in LEVELS:
+    for level in LEVELS[:-1]:
         if not causes:
             break
         studio.at(level)
@@ -555,7 +556,7 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
             one = _try(studio, name, make, theirs, rounding)
             if one is None:
                 continue
-            if one.verdict.p < REJECTED or one.verdict.own < enough or level == LEVELS[-1]:
+            if one.verdict.p < REJECTED or one.verdict.own < enough or level == LEVELS[-2]:
                 found.append(one)
             else:
                 left[name] = make
@@ -573,4 +574,4 @@ def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUN
         if causes is None and studio.map is not None:
             more = _of_numbers(studio, theirs, _open_numbers(found))
             found += _refined(studio, more, theirs, noise, rounding)
-    return sorted(found, key=lambda f: (-f.verdict.p, _far(f.verdict)))
+    return sorted(found, key=lambda f: (-max(f.verdict.p, REJECTED), _far(f.verdict)))

@@ -44,7 +44,7 @@ class Truth(NamedTuple):
     outlines: Flags  #: (h, w)
     background: Flags  #: (h, w)
     unknown: Any = False  #: pixels (h, w) of which nothing is said
-    spread: float = 1.0  #: their noise of a tile over that of independent pixels, by a wide filter
+    spread: float = 1.0  #: of a tile's variance over that of independent pixels, by a wide filter
 
     @property
     def mean(self) -> Doubles:
@@ -126,7 +126,7 @@ class _Tiles:
         self.n = int(enough.sum())
         self.count = count[enough][:, None]  #: pixels, (n, 1)
         self.of = number[place]  #: (h, w): the tile, or -1
-        self.spread = truth.spread
+        self.spread = truth.spread  #: at most
 
     def sums(self, values: Doubles, of: NDArray[np.int64]) -> Doubles:
         """Sums over tiles (n, 3) of values (h, w, 3), with the tile of each pixel."""
@@ -156,8 +156,11 @@ class _Tiles:
         if k >= MANY:
             return self.variance(d), np.full((self.n, 1), k - 1.0)
         if k > 1:
-            variance = self.spread * self.means(d.var(0, ddof=1)) / self.count / k
-            return variance, self.count * (k - 1.0)
+            variance = self.means(d.var(0, ddof=1)) / self.count / k
+            if self.spread > 1 and (variance > 0).any():  # some pictures tell it
+                seen = np.mean(self.variance(d) / np.where(variance > 0, variance, np.inf))
+                self.spread = min(self.spread, max(float(seen), 1.0))
+            return self.spread * variance, self.count * (k - 1.0)
         total, fourth, pairs = (np.zeros((self.n, c)) for c in (3, 3, 1))
         for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
             same = np.where(self.of[a] == self.of[b], self.of[a], -1)
@@ -227,7 +230,7 @@ def _slopes(mean: Doubles) -> list[Doubles]:
     return [(right - left) / 2, (down - up) / 2, left + right + up + down - 4 * mean]
 
 
-def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
+def _outlines_z(d: Doubles, truth: Truth, spread: float) -> Doubles:
     """z of the sums over outlines of d times what a shift or a blur would be; none without them."""
     at = truth.outlines & np.logical_not(truth.unknown)
     z = []
@@ -240,7 +243,7 @@ def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
         if len(d) >= MANY:
             variance, dof = u.sum(1).var(ddof=1) / len(d), len(d) - 1.0
         else:
-            variance, dof = truth.spread * np.sum(u.mean(0) ** 2), float(at.sum())
+            variance, dof = spread * np.sum(u.mean(0) ** 2), float(at.sum())
         if variance + own > 0:
             t = u.sum() / len(d) / math.sqrt(variance + own)
             z.append(float(student_z(np.float64(t), np.float64(dof))))
@@ -290,7 +293,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
                     [(variance, freedom)])
     if mean_z.any():
         parts["mean"] = together(normal_p(mean_z[mean_z != 0]))
-    edge = _outlines_z(d, truth)
+    edge = _outlines_z(d, truth, tiles.spread)
     if len(edge):
         parts["outlines"] = together(normal_p(edge))
 
