@@ -123,7 +123,7 @@ class Causes(unittest.TestCase):
         studio = self.studio()
         m = studio.map.pixels
         for name, coarse, value, off in (
-                ("the map turned by %.3g degrees", np.arange(2, 6) / 32, 213 / 2048, 1 / 512),
+                ("the map turned by %.4g degrees", np.arange(2, 6) / 32, 213 / 2048, 1 / 512),
                 ("the map cut off at %.3g", np.arange(2.0, 5.0), 2.9, 0.1)):
             with self.subTest(name):
                 changed = causes.NUMBERS[name](m, value)

@@ -482,8 +482,8 @@ def _cut_off(m: Floats, power: float) -> Floats:
 
 
 NUMBERS: dict[str, Callable[[Floats, float], Any]] = {
-    "the map turned by %.3g degrees": _turned,
-    "the map mirrored and turned by %.3g degrees": lambda m, v: _turned(m[:, ::-1], v),
+    "the map turned by %.4g degrees": _turned,
+    "the map mirrored and turned by %.4g degrees": lambda m, v: _turned(m[:, ::-1], v),
     "the map cut off at %.3g": _cut_off}
 
 
@@ -516,18 +516,22 @@ def _fitted(studio: Studio, theirs: Doubles, name: str, coarse: Sequence[float])
 
 
 def _of_numbers(studio: Studio, theirs: Doubles, names: Iterable[str]) -> dict[str, Make]:
-    """Causes with a number that no list holds."""
+    """Causes with a number that no list holds. A cut is tried where it is printed, because a camera
+    that sees the map would tell 7.503 from 7.5."""
     causes: dict[str, Make] = {}
     most = math.log2(studio.map.pixels.max())
     for name in names:
         change = NUMBERS[name]
-        is_cut = change is _cut_off
-        coarse = [most - i for i in range(1, 9)] if is_cut else [i / 32 for i in range(32)]
-        v = _fitted(studio, theirs, name, coarse)
-        if not is_cut and abs(4 * v - round(4 * v)) < 4 / TURNS:
-            continue  # quarters are in the list
-        causes[name % (2 ** v if is_cut else 360 * (v - round(v)))] = _of_map(
-            lambda m, f=change, v=v: f(m, v))
+        if change is _cut_off:
+            v = _fitted(studio, theirs, name, [most - i for i in range(1, 9)])
+            name = name % 2 ** v
+            v = math.log2(float(name.split()[-1]))
+        else:
+            v = _fitted(studio, theirs, name, [i / 32 for i in range(32)])
+            name = name % (360 * (v - round(v)))
+            if abs(4 * v - round(4 * v)) < 4 / TURNS:
+                continue  # quarters are in the list
+        causes[name] = _of_map(lambda m, f=change, v=v: f(m, v))
     return causes
 
 
