@@ -103,7 +103,7 @@ class Studio:
     def rendered(self, light: Any = None, scene: Optional[Scene] = None, layer: str = "",
                  **how: Any) -> Doubles:
         """Copies (n, h, w, 3) of the picture, or of a layer, under another light."""
-        if light is None and scene is None and self.like.is_bilinear:
+        if light is None and self.like.is_bilinear:
             light = Envmap(_bilinear(self.map.pixels))
         how = {"spp": self.spp, "step": self.step, "layers": layer or "none", **how}
         out = []
