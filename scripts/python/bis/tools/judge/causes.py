@@ -28,7 +28,6 @@ from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of, t
 
 #: Copies of a picture, camera samples of a copy; the last for right pictures alone.
 LEVELS = ((2, 2), (8, 8), (16, 32), (16, 128))
-SURE = 0.01  #: the least p of a cause that is named
 REJECTED = 1e-10  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
 TURNS = 2048  #: of the map, any of which is found
@@ -538,7 +537,7 @@ def _of_numbers(studio: Studio, theirs: Doubles, names: Iterable[str]) -> dict[s
 def _open_numbers(found: list[Found]) -> list[str]:
     """Which numbers have to be fitted: all if nothing fits; else those by which the causes that fit
     have a twin under some maps."""
-    fits = " ".join(f.name for f in found if f.verdict.p >= SURE)
+    fits = " ".join(f.name for f in found if f.verdict.is_right)
     turned, mirrored, cut = NUMBERS
     if not fits:
         return [turned, mirrored, cut]

@@ -17,8 +17,8 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, REJECTED, SMALL, SURE,
-                     Convention, Found, Studio, search)
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, REJECTED, SMALL, Convention,
+                     Found, Studio, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 NEAREST = 6  #: causes that are tried by other conventions if none fits by the first
@@ -42,15 +42,14 @@ class Case:
 
     @property
     def named(self) -> list[Found]:
-        """The causes that nothing speaks against, if one fits."""
-        if not self.causes or self.causes[0].verdict.p < SURE:
-            return []
-        return [f for f in self.causes if f.verdict.p >= WRONG]
+        """The causes that nothing speaks against; mere factors, which may be what is left of
+        another mistake, last."""
+        return sorted((f for f in self.causes if f.verdict.is_right),
+                      key=lambda f: f.name.startswith(ANY_FACTOR))
 
     @property
     def is_told(self) -> bool:
-        """Whether the cause that fits best is no mere factor, which may be what is left of another
-        mistake."""
+        """Whether a cause is named that is no mere factor."""
         return bool(self.named) and not self.named[0].name.startswith(ANY_FACTOR)
 
     @property
