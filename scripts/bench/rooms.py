@@ -4,13 +4,15 @@ beside a portal integrator in Mitsuba 3. docs/theory.md reads the table.
 
     python3 scripts/bench/rooms.py BIS MAPS OUT [WORD]     OUT keeps scenes; only rooms with WORD
 
-Every method renders each room with five seeds. All are unbiased, so the error of a method is the
-variance over its seeds, over r^2 + (0.1 mean r)^2, where r is the mean of all pictures of the room.
-The seconds are the least of the seeds, of rendering alone, on the one core that the caller allows
-(taskset). The last column is the standard error of error x seconds in per cent."""
+Every method renders each room with five seeds; bis also with portals of .99 and 1.1 of the size.
+All are unbiased, so the error of a method is the variance over its seeds, over
+r^2 + (0.1 mean r)^2, where r is the mean of all pictures of the room. The seconds are the least of
+the seeds, of rendering alone, and of the processor, because those of a clock favour the shorter
+render on a busy machine. The last column is the standard error of error x seconds in per cent."""
 import json
 import math
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -75,20 +77,26 @@ def points(rectangle):
     return [c, c + a, c + a + b, c + b]
 
 
+def scaled(rectangle, scale):
+    corner, along, up = rectangle
+    return corner + (1 - scale) / 2 * (along + up), scale * along, scale * up
+
+
 def numbers(rectangle):
     return ' '.join(f'{x:g}' for p in points(rectangle) for x in p)
 
 
-def bis_scene(sky, openings, things, portals, settings=''):
-    """The text."""
+def bis_scene(sky, openings, things, scale):
+    """The text. Its portals are `scale` as wide and as high as the openings; 0: none."""
     light = f'"string filename" "{maps}/{sky}.hdr"' if sky else '"rgb L" [1 1 1]'
     lights = [f'LightSource "infinite" {light} "bool visible" false {words}' for words in (
-        [f'"point3 portal" [{numbers(portal(*o))}]' for o in openings] if portals else [''])]
+        [f'"point3 portal" [{numbers(scaled(portal(*o), scale))}]' for o in openings]
+        if scale else [''])]
     shapes = [f'Shape "trianglemesh" "point3 P" [{numbers(r)}] "integer indices" [0 1 2 0 2 3]'
               for r in room(openings) + things]
     return '\n'.join([
         'Scale -1 1 1', 'LookAt ' + ' '.join(map(str, (*EYE, *LOOK, 0, 0, 1))),
-        f'Camera "perspective" "float fov" {FOV}', settings,
+        f'Camera "perspective" "float fov" {FOV}',
         f'Film "rgb" "integer xresolution" {WIDTH} "integer yresolution" {HEIGHT}', 'WorldBegin',
         'AttributeBegin', f'Rotate {TURNS.get(sky, 0)} 0 0 1', *lights, 'AttributeEnd',
         'Material "diffuse" "rgb reflectance" [.5 .5 .5]', *shapes, ''])
@@ -184,11 +192,16 @@ def mitsuba_render(sky, openings, things, integrator):
                  'bsdf': {'type': 'twosided', 'side': {'type': 'diffuse', 'reflectance': .5}}}})
 
     def render(spp, seed):
-        start = time.perf_counter()
+        start = time.process_time()
         picture = np.array(mi.render(scene, spp=spp, seed=seed), dtype=float)
-        return picture, time.perf_counter() - start
+        return picture, time.process_time() - start
     render(4, 0)  # compiled here
     return render
+
+
+def children_time():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def bis_render(name, text):
@@ -198,10 +211,12 @@ def bis_render(name, text):
         f.write(text)
 
     def render(spp, seed):
+        start = children_time()
         subprocess.run([bis, scene, '--quiet', '--spp', str(spp), '--seed', str(seed),
                         '--nthreads', '1', '--outfile', picture, '--stats', stats], check=True)
         with open(stats) as f:
-            seconds = json.load(f)['seconds']['render']
+            seconds = json.load(f)['seconds']
+        seconds = (children_time() - start) * seconds['render'] / seconds['total']
         return np.array(mi.Bitmap(picture), dtype=float)[:, :, :3], seconds
     return render
 
@@ -210,9 +225,10 @@ def measure(name, sky, openings, things):
     """Print a line for each method."""
     mixture = [{'type': 'portals', 'weight': w} for w in (1, .5)]
     direct = {'type': 'direct', 'emitter_samples': 1, 'bsdf_samples': 1, 'hide_emitters': True}
+    sizes = {'bis': 0, 'bis, portals': 1, 'bis, portals .99': .99, 'bis, portals 1.1': 1.1}
     methods = {
-        'bis': (16, bis_render('room', bis_scene(sky, openings, things, False))),
-        'bis, portals': (16, bis_render('portals', bis_scene(sky, openings, things, True))),
+        **{how: (16, bis_render(f'room{size:g}', bis_scene(sky, openings, things, size)))
+           for how, size in sizes.items()},
         **{f'Mitsuba, {how}': (n, mitsuba_render(sky, openings, things, i)) for how, n, i in (
             ('direct', 121, direct), ('portals', 64, mixture[0]),
             ('portals and map', 64, mixture[1]))}}

@@ -11,8 +11,9 @@
  *         is wrong by the first
  *     grade speed [-s SECRET]... STUDENT OURS CLAIMS
  *         how many times OURS's time STUDENT takes for the load of CLAIMS; status 1 and why: its answers are wrong
- *     grade look TEMPLATE FILE [PRINTS]
- *         status 3: something of ours is changed; 4: something is refused. Hashes for `alike` go to PRINTS
+ *     grade look TEMPLATE FILE [PRINTS [PLAIN FOLDER...]]
+ *         status 3: something of ours is changed; 4: it cannot be read; 5: a line is refused. Hashes for `alike` go to
+ *         PRINTS, and what is left without comments to PLAIN. "x.h" of an #include must lie in a FOLDER
  *     grade alike SHARE BLANK FILE...
  *         a line "LEAST MOST I J ..." for each group of PRINTS (counted from 1), in which each shares so much of what
  *         BLANK has not with another one: the least and the most percent of the shorter one that two of them share
@@ -51,41 +52,16 @@ static bool has_bwrap(void)
  * network, other processes, rights. */
 static size_t sandbox(const char **words, const options *o)
 {
-    static const char *const base[] = {"bwrap",
-                                       "--unshare-all",
-                                       "--die-with-parent",
-                                       "--new-session",
-                                       "--cap-drop",
-                                       "ALL",
-                                       "--ro-bind",
-                                       "/usr",
-                                       "/usr",
-                                       "--ro-bind-try",
-                                       "/bin",
-                                       "/bin",
-                                       "--ro-bind-try",
-                                       "/lib",
-                                       "/lib",
-                                       "--ro-bind-try",
-                                       "/lib32",
-                                       "/lib32",
-                                       "--ro-bind-try",
-                                       "/lib64",
-                                       "/lib64",
-                                       "--ro-bind-try",
-                                       "/etc/ld.so.cache",
-                                       "/etc/ld.so.cache",
-                                       "--ro-bind-try",
-                                       "/etc/alternatives",
-                                       "/etc/alternatives",
-                                       "--proc",
-                                       "/proc",
-                                       "--dev",
-                                       "/dev",
-                                       "--size",
-                                       "67108864",
-                                       "--tmpfs",
-                                       "/tmp"};
+    static const char *const base[] = {
+        "bwrap", "--unshare-all", "--die-with-parent", "--new-session", "--cap-drop", "ALL",
+        "--ro-bind", "/usr", "/usr",
+        "--ro-bind-try", "/bin", "/bin",
+        "--ro-bind-try", "/lib", "/lib",
+        "--ro-bind-try", "/lib32", "/lib32",
+        "--ro-bind-try", "/lib64", "/lib64",
+        "--ro-bind-try", "/etc/ld.so.cache", "/etc/ld.so.cache",
+        "--ro-bind-try", "/etc/alternatives", "/etc/alternatives",
+        "--proc", "/proc", "--dev", "/dev", "--size", "67108864", "--tmpfs", "/tmp"};
     size_t n = 0;
 
     if (!has_bwrap()) return 0;
@@ -267,7 +243,7 @@ static int speed(const options *o, const char *student, const char *reference, c
 
 /* ---- hand-ins as text ---- */
 
-static int look(const char *ours, const char *path, const char *prints)
+static int look(const char *ours, const char *path, const char *prints, char *const *plain)
 {
     token_file template, f;
     unsigned line = 0;
@@ -285,9 +261,11 @@ static int look(const char *ours, const char *path, const char *prints)
     if (!tokens_compare(&f, &template, &line)) {
         printf("what is line %u in the kit is missing or changed\n", line);
         status = 3;
-    } else if (tokens_refuse(&f, &template, text, sizeof text)) {
+    } else if (tokens_refuse(&f, &template, *plain ? plain + 1 : plain, text, sizeof text)) {
         printf("%s\n", text);
-        status = 4;
+        status = 5;
+    } else if (*plain && !tokens_write(&f, *plain)) {
+        return 1;
     }
     FILE *out = prints && status == 0 ? fopen(prints, "w") : NULL;
     if (out) {
@@ -436,7 +414,7 @@ int main(int argc, char **argv)
             return 2;
     }
     argv += optind, argc -= optind;
-    if (strcmp(mode, "look") == 0 && argc >= 2) return look(argv[0], argv[1], argc > 2 ? argv[2] : NULL);
+    if (strcmp(mode, "look") == 0 && argc >= 2) return look(argv[0], argv[1], argv[2], argv + (argc > 3 ? 3 : argc));
     if (strcmp(mode, "alike") == 0 && argc >= 2) return alike(strtod(argv[0], NULL), argv[1], argv + 2, argc - 2);
     box_end_with_us();
     poor_environment();

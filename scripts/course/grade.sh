@@ -67,7 +67,7 @@ link_it() {
     objects=""
     while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/units"
     # shellcheck disable=SC2086
-    run $BIS_LINK "$@" -Wl,-z,relro,-z,now -o "$program" $BIS_SERVER $objects "$shop/lib.a" \
+    run $BIS_LINK "$@" $refused -Wl,-z,relro,-z,now -o "$program" $BIS_SERVER $objects "$shop/lib.a" \
         $BIS_LIBS >>"$work/messages" 2>&1
 }
 
@@ -107,7 +107,7 @@ grade_memory() {
     fi
     while IFS= read -r file; do
         # shellcheck disable=SC2086
-        compile "$file" clean/ $BIS_SANITIZE >>"$work/messages"
+        compile "$file" clean/ $BIS_SANITIZE >>"$work/messages" && look_at_object "$file" clean/
     done <"$shop/units"
     # shellcheck disable=SC2086
     if ! link_it clean clean/ $BIS_SANITIZE; then
@@ -131,7 +131,7 @@ grade_memory() {
 # bis trade with the student's material and with ours: both pages are put into FOLDER for a look; no points, since a
 # machine at work is no judge. Their code is in a program with all rights here, so it needs the sandbox.
 trade_pages() {
-    [ "$name" = open ] && [ -f "$work/marks" ] && ! grep -q '^wrong' "$work/marks" || return
+    [ "$name$refused" = open ] && [ -f "$work/marks" ] && ! grep -q '^wrong' "$work/marks" || return
     if [ "$BIS_SANDBOX" != bwrap ]; then
         echo "bis trade is not run: it needs bubblewrap"
         return

@@ -13,9 +13,9 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#include <stdio.h>
 #if defined(__clang__) && defined(_OPENMP)
 #include <omp.h>
-#include <stdio.h>
 #include <sys/mman.h>
 #endif
 #include <sched.h>
@@ -124,6 +124,15 @@ static void start_openmp(void)
     snprintf(name, sizeof name, "/__KMP_REGISTERED_LIB_%d_%d", (int)getpid(), (int)getuid());
     shm_unlink(name);
 #endif
+}
+
+/* In the place of what no hand-in calls (scripts/course/accept.sh). */
+_Noreturn void bis_refused(void);
+_Noreturn void bis_refused(void)
+{
+    puts("a function was called that is refused; the remarks name it");
+    fflush(stdout);
+    abort();
 }
 
 int main(void)

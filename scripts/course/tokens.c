@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- lexer ---- */
 
@@ -23,28 +24,8 @@ static void set_fault(token_file *f, unsigned line, const char *what)
     if (!f->fault[0]) snprintf(f->fault, sizeof f->fault, "line %u: %s", line, what);
 }
 
-/* What compilers do not read alike, or not as below, is a fault: who writes it may hide a line from one of us. */
-static void find_ambiguous(token_file *f, const char *raw, size_t n)
-{
-    unsigned line = 1;
-
-    for (size_t i = 0; i < n; i++) {
-        const char next = i + 1 < n ? raw[i + 1] : '\n';
-        if (raw[i] == '\r' && next != '\n' && next != '\r') set_fault(f, line, "a carriage return that ends no line");
-        if (raw[i] == '?' && next == '?' && i + 2 < n && raw[i + 2] == '/') set_fault(f, line, "a trigraph");
-        if (raw[i] == '\\') {
-            size_t j = i + 1;
-            while (j < n && strchr(" \t\v\f\r", raw[j]))
-                j++;
-            const bool plain = j == i + 1 || (j == i + 2 && next == '\r');
-            if (!plain && (j == n || raw[j] == '\n'))
-                set_fault(f, line, "blanks between a backslash and the end of the line");
-        }
-        line += raw[i] == '\n';
-    }
-}
-
-/* The file without its continued lines, and the line of each byte. */
+/* The file without its continued lines, and the line of each byte. Compilers take blanks behind the backslash for
+ * nothing. */
 static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
 {
     char *text = malloc(n + 2);
@@ -53,7 +34,9 @@ static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
 
     if (!text) return NULL;
     for (size_t i = 0; i < n; i++) {
-        const size_t end = i + 1 < n && raw[i + 1] == '\r' ? i + 2 : i + 1;
+        size_t end = i + 1;
+        while (raw[i] == '\\' && end < n && strchr(" \t\v\f\r", raw[end]))
+            end++;
         if (raw[i] == '\\' && end < n && raw[end] == '\n') {
             i = end;
             line++;
@@ -71,7 +54,7 @@ static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
 
 typedef struct lexer {
     token_file *f;
-    const char *text;
+    char *text;
     const unsigned *lines;
     size_t at;
     bool in_directive, at_line_start, is_template, in_hole;
@@ -80,6 +63,14 @@ typedef struct lexer {
 static void add(lexer *x, token_kind kind, size_t begin)
 {
     if (!x->in_hole) x->f->tokens[x->f->n++] = (token){kind, x->text + begin, x->at - begin, x->lines[begin], false};
+}
+
+/* What a comment holds is nobody's business, and no compiler's: it becomes blanks (tokens_write). */
+static void blank_out(lexer *x, size_t begin)
+{
+    for (size_t i = begin; i < x->at; i++) {
+        if (x->text[i] != '\n') x->text[i] = ' ';
+    }
 }
 
 /* A comment of a template may begin or end a hole. */
@@ -95,6 +86,7 @@ static void comment(lexer *x)
     }
     x->at = (size_t)(end - x->text) + 2;
     const size_t n = x->at - begin;
+    if (!x->is_template) blank_out(x, begin);
     if (!x->is_template || n < 8 || memcmp(x->text + begin, "/* [", 4) != 0 || memcmp(end - 2, "] ", 2) != 0) return;
     const bool ends = n == 11 && memcmp(x->text + begin, "/* [end] */", 11) == 0;
     if (!ends) add(x, TOKEN_HOLE, begin);
@@ -112,6 +104,8 @@ static void quoted(lexer *x)
             set_fault(x->f, x->lines[begin], "a quotation mark without its other half");
             return;
         }
+        if (x->text[x->at] == '?' && x->text[x->at + 1] == '?' && strchr("=/'()!<>-", x->text[x->at + 2]))
+            set_fault(x->f, x->lines[x->at], "two question marks, which may be a trigraph");
         x->at++;
     }
     x->at++;
@@ -175,9 +169,11 @@ static void lex(lexer *x)
             x->at++;
         else if (c[0] == '/' && c[1] == '*')
             comment(x);
-        else if (c[0] == '/' && c[1] == '/')
+        else if (c[0] == '/' && c[1] == '/') {
+            const size_t begin = x->at;
             x->at += strcspn(c, "\n");
-        else
+            blank_out(x, begin);
+        } else
             blank = false;
         if (blank) continue;
         if (c[0] == '?' && c[1] == '?') set_fault(x->f, x->lines[x->at], "two question marks, which may be a trigraph");
@@ -251,27 +247,42 @@ bool tokens_read(token_file *f, const char *path, bool is_template)
         snprintf(f->fault, sizeof f->fault, "it has more than a million bytes");
     else if (memchr(raw, '\0', n))
         snprintf(f->fault, sizeof f->fault, "it is no text");
-    if (!f->fault[0]) find_ambiguous(f, raw, n);
     if (!f->fault[0]) f->text = unfold(raw, n, lines, &length);
     if (f->text) {
         f->tokens = calloc(length + 8, sizeof *f->tokens);
         f->items = calloc(length + 8, sizeof *f->items);
         if (f->tokens && f->items) {
+            f->lines = lines;
             lex(&(lexer){.f = f, .text = f->text, .lines = lines, .is_template = is_template});
             cut(f);
         }
     }
     free(raw);
-    free(lines);
+    if (!f->lines) free(lines);
     return !f->fault[0] && f->tokens && f->items;
 }
 
 void tokens_clear(token_file *f)
 {
     free(f->text);
+    free(f->lines);
     free(f->tokens);
     free(f->items);
     *f = (token_file){0};
+}
+
+bool tokens_write(const token_file *f, const char *path)
+{
+    FILE *out = fopen(path, "w");
+    unsigned line = 1;
+
+    for (const char *c = f->text; out && *c; c++) {
+        for (; *c == '\n' && line < f->lines[c - f->text]; line++)
+            putc('\n', out); /* of lines that were continued */
+        putc(*c, out);
+        line += *c == '\n';
+    }
+    return out && fclose(out) == 0;
 }
 
 /* ---- what is theirs ---- */
@@ -352,13 +363,24 @@ static bool begins(const token *t, const char *with)
     return t->n >= strlen(with) && memcmp(t->text, with, strlen(with)) == 0;
 }
 
+static const char *const plain_headers =
+    "assert complex ctype errno fenv float inttypes iso646 limits math stdalign stdarg stdbool stddef stdint stdio "
+    "stdlib stdnoreturn string tgmath";
+
 /* After #include: a name of the C library, or one of ours, which stay within the folders of headers. */
-static bool may_include(const token *t)
+static bool may_include(const token *t, char *const *folders)
 {
     if (t->kind == TOKEN_STRING) {
-        const char *end = t->text + t->n - 1;
-        return t->n > 4 && t->text[1] != '/' && memcmp(end - 2, ".h", 2) == 0 && !memmem(t->text, t->n, "..", 2) &&
-               !memmem(t->text, t->n, "\\", 1);
+        const token stem = {.text = t->text + 1, .n = t->n > 4 ? t->n - 4 : 0};
+        if (t->n < 5 || t->text[1] == '/' || memcmp(t->text + t->n - 3, ".h", 2) != 0 ||
+            memmem(t->text, t->n, "..", 2) || memmem(t->text, t->n, "\\", 1)) return false;
+        for (bool ours = !*folders || among(&stem, plain_headers); !ours;) {
+            char path[4096];
+            if (!*folders) return false;
+            snprintf(path, sizeof path, "%s/%.*s.h", *folders++, (int)stem.n, stem.text);
+            ours = access(path, R_OK) == 0;
+        }
+        return true;
     }
     if (!is(t, "<")) return false;
     if (is(t + 1, "bis")) {
@@ -366,10 +388,7 @@ static bool may_include(const token *t)
             continue;
         return is(t, ".") && is(t + 1, "h") && is(t + 2, ">");
     }
-    return among(t + 1, "assert complex ctype errno fenv float inttypes iso646 limits math stdalign stdarg stdbool "
-                        "stddef stdint stdio stdlib stdnoreturn "
-                        "string tgmath") &&
-           is(t + 2, ".") && is(t + 3, "h") && is(t + 4, ">");
+    return among(t + 1, plain_headers) && is(t + 2, ".") && is(t + 3, "h") && is(t + 4, ">");
 }
 
 /* __attribute__((noinline)) and the like, which change nothing that is computed. */
@@ -379,17 +398,19 @@ static bool is_plain_attribute(const token *t)
            among(t + 3, "noinline always_inline unused pure const hot cold flatten");
 }
 
+static const char *const conditions = "if ifdef ifndef elif else endif";
+
 static bool is_refused_name(const token *t)
 {
     if (among(t, "asm _Pragma")) return true;
     if (is_plain_attribute(t)) return false;
     if (!begins(t, "__")) return false;
-    return !among(t, "__func__ __FILE__ __LINE__ __restrict __builtin_ctz __builtin_ctzl __builtin_ctzll __builtin_clz "
-                     "__builtin_clzl __builtin_clzll "
-                     "__builtin_popcount __builtin_expect __builtin_fma __builtin_sqrt");
+    return !among(t, "__func__ __FILE__ __LINE__ __VA_ARGS__ __restrict __builtin_ctz __builtin_ctzl __builtin_ctzll "
+                     "__builtin_clz __builtin_clzl __builtin_clzll __builtin_popcount __builtin_expect __builtin_fma "
+                     "__builtin_sqrt");
 }
 
-static bool is_refused(const token_file *f, const token_file *template, size_t i)
+static bool is_refused(const token_file *f, const token_file *template, char *const *folders, size_t i)
 {
     const token *t = &f->tokens[i];
 
@@ -399,7 +420,8 @@ static bool is_refused(const token_file *f, const token_file *template, size_t i
     case TOKEN_MARK:
         return among(t, "## %: <% <: \\ @ ` #") || (is(t, "[") && i + 1 < f->n && is(t + 1, "["));
     case TOKEN_DIRECTIVE:
-        if (is(t + 1, "include")) return !may_include(t + 2);
+        if (is(t + 1, "include")) return !may_include(t + 2, folders);
+        if (among(t + 1, conditions)) return false; /* see encloses_ours */
         if (is(t + 1, "pragma")) return !is(t + 2, "omp");
         if (!is(t + 1, "define")) return true;
         /* a macro of theirs renames nothing of ours and no word of the language */
@@ -413,11 +435,34 @@ static bool is_refused(const token_file *f, const token_file *template, size_t i
     }
 }
 
-const char *tokens_refuse(const token_file *f, const token_file *template, char *text, size_t room)
+/* Is token i of theirs a condition that has no end before what is ours begins, or that ends no other? */
+static bool encloses_ours(const token_file *f, size_t i)
+{
+    int depth = 0;
+
+    if (f->tokens[i].kind != TOKEN_DIRECTIVE || !among(&f->tokens[i + 1], conditions)) return false;
+    if (!begins(&f->tokens[i + 1], "if")) { /* its beginning lies before it */
+        for (size_t k = i; k-- > 0 && f->tokens[k].theirs;) {
+            if (f->tokens[k].kind != TOKEN_DIRECTIVE) continue;
+            depth += is(&f->tokens[k + 1], "endif") - begins(&f->tokens[k + 1], "if");
+            if (depth < 0) return false;
+        }
+        return true;
+    }
+    for (size_t k = i; k < f->n && f->tokens[k].theirs; k++) {
+        if (f->tokens[k].kind != TOKEN_DIRECTIVE) continue;
+        depth += begins(&f->tokens[k + 1], "if") - is(&f->tokens[k + 1], "endif");
+        if (depth == 0) return false;
+    }
+    return true;
+}
+
+const char *tokens_refuse(const token_file *f, const token_file *template, char *const *folders, char *text,
+                          size_t room)
 {
     for (size_t i = 0; i < f->n; i++) {
         const token *t = &f->tokens[i];
-        if (!t->theirs || !is_refused(f, template, i)) continue;
+        if (!t->theirs || !(is_refused(f, template, folders, i) || encloses_ours(f, i))) continue;
         size_t n = t->n;
         if (t->kind == TOKEN_DIRECTIVE) n = strcspn(t->text, "\n");
         snprintf(text, room, "line %u: \"%.*s\" is refused", t->line, (int)(n < 80 ? n : 80), t->text);

@@ -35,7 +35,8 @@ typedef struct token_item {
 } token_item;
 
 typedef struct token_file {
-    char *text;
+    char *text;      /* comments are blanks; continued lines are one */
+    unsigned *lines; /* of each byte */
     token *tokens;
     token_item *items;
     size_t n, n_items;
@@ -49,14 +50,19 @@ enum { TOKEN_BYTES = 1 << 20 }; /* the longest file that is looked at */
 bool tokens_read(token_file *f, const char *path, bool is_template);
 void tokens_clear(token_file *f);
 
+/* Write the file as it was read, so that a compiler reads nothing else. Lines keep their numbers. */
+bool tokens_write(const token_file *f, const char *path);
+
 /* Mark as `theirs` what f has beyond the template. Returns false where something of ours is missing or changed; line:
  * where ours has it. */
 bool tokens_compare(token_file *f, const token_file *template, unsigned *line);
 
 /* The first of theirs that no assignment needs and that could reach beyond the functions under study: assembler,
- * attributes, pragmas, conditional compilation, reserved names, macros that change our names, headers other than the C
- * library's (but for those that touch the process) and ours. NULL: none. */
-const char *tokens_refuse(const token_file *f, const token_file *template, char *text, size_t room);
+ * attributes, pragmas, conditions about what is ours, reserved names, macros that change our names, headers other than
+ * the C library's (but for those that touch the process) and ours, which lie in one of the folders, up to a NULL (no
+ * folders: not looked at). NULL: none. */
+const char *tokens_refuse(const token_file *f, const token_file *template, char *const *folders, char *text,
+                          size_t room);
 
 /* Hashes of all runs of TOKEN_RUN of their tokens within an item, sorted, each once; names that a copyist can change
  * are all one. Returns how many, with the array in *prints, to be freed. */

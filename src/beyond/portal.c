@@ -6,18 +6,17 @@
  * `cosine`, and its solid angle is a sum of arcs of their products. u1 chooses the arc of a great circle which, with
  * the edge low[0], cuts off the u1-th part of the solid angle; u2 chooses a height on it, of which area is a linear
  * function (Archimedes). Below 1e-8 sr the arcs cancel. There a point of the area A is drawn, at the distance r,
- * with density r^2/(A cos) = z^2/(A cos^3), which is nearly uniform. Cost: 60 ns a direction, 3 ns a density. */
+ * with density r^2/(A cos) = z^2/(A cos^3), which is nearly uniform. Cost: 6 ns a direction, 3 ns a density. */
 #include "portal.h"
 
 #include "thesis/curve_many.h"
 
 #include <string.h>
 
-static const double SMALL = 1e-8, GRAZING = 1e-6, BELOW_1 = 1 - 0x1p-53;
+static const double SMALL = 1e-8, GRAZING = 1e-6;
 
 /* Light at the edge of an opening that rounding puts beside its portal would be found rarely, and be bright. */
 static const double WIDER = 1e-5;
-
 
 void bis_portal_look(bis_portal_view *v, const bis_portal *portal, vec3 p)
 {
@@ -45,30 +44,70 @@ void bis_portal_look(bis_portal_view *v, const bis_portal *portal, vec3 p)
     }
     const double *x = v->cosine[0], *y = v->cosine[1];
     v->solid_angle = asin(x[1] * y[1]) + asin(x[0] * y[0]) - asin(x[1] * y[0]) - asin(x[0] * y[1]);
-    v->first_arc = 2 * PI - acos(y[1] * x[0]) - acos(-x[0] * y[0]);
+    const double a0 = y[1] * x[0], a1 = -x[0] * y[0], s0 = sqrt(1 - a0 * a0), s1 = sqrt(1 - a1 * a1);
+    v->arc[0] = a0 * a1 - s0 * s1;
+    v->arc[1] = -s0 * a1 - a0 * s1;
     v->by_area = v->solid_angle < SMALL;
     if (v->by_area)
         v->solid_angle = (v->high[0] - v->low[0]) * (v->high[1] - v->low[1]) * v->z / pow(far2 + v->z * v->z, 1.5);
 }
 
-vec3 bis_portal_sample(const bis_portal_view *v, double u1, double u2)
+/* sin 4 r and cos 4 r for 0 <= r < pi/2: Taylor's series to 1e-17 by Horner's rule, and both doubled twice. */
+static inline BIS_INLINE void sincos4(double r, double *sine, double *cosine)
 {
-    const double *cy = v->cosine[1], *y = v->low + 1, z = v->z;
-    double x = v->low[0] + u1 * (v->high[0] - v->low[0]), up = y[0] + u2 * (v->high[1] - y[0]);
+    double s = 1, c = 1;
 
-    if (!v->by_area) {
-        const double turn = u1 * v->solid_angle + v->first_arc;
-        const double f = (-cos(turn) * cy[0] - cy[1]) / sin(turn), c = fmin(1 / sqrt(f * f + cy[0] * cy[0]), BELOW_1);
-        x = copysign(c * z / sqrt(1 - c * c), f);
-        x = fmin(fmax(x, v->low[0]), v->high[0]); /* it may be beyond by some ulps */
-        const double d2 = x * x + z * z, y1 = v->high[1];
-        const double h0 = y[0] / sqrt(d2 + y[0] * y[0]), h = h0 + u2 * (y1 / sqrt(d2 + y1 * y1) - h0);
-        up = h * sqrt(d2 / (1 - h * h)); /* |h| < 1, because z > 0 */
+#pragma GCC unroll 10
+    for (int k = 20; k > 0; k -= 2) {
+        s = 1 - s * r * r * (1.0 / (k * (k + 1)));
+        c = 1 - c * r * r * (1.0 / (k * (k - 1)));
     }
-    double w[3];
-    for (int i = 0; i < 3; i++) w[i] = x * v->axis[0][i] + up * v->axis[1][i] + z * v->axis[2][i];
-    const double r = 1 / sqrt(x * x + up * up + z * z);
-    return vec3_from(w[0] * r, w[1] * r, w[2] * r);
+    s *= r;
+    const double s2 = 2 * s * c, c2 = 1 - 2 * s * s;
+    *sine = 2 * s2 * c2;
+    *cosine = 1 - 2 * s2 * s2;
+}
+
+/* The direction a along one edge, b along the other, and c towards the plane. */
+static inline BIS_INLINE void put(const bis_lanes *x, uint32_t i, const bis_portal_view *v, double a, double b,
+                                  double c)
+{
+    x->x[i] = (float)(a * v->axis[0][0] + b * v->axis[1][0] + c * v->axis[2][0]);
+    x->y[i] = (float)(a * v->axis[0][1] + b * v->axis[1][1] + c * v->axis[2][1]);
+    x->z[i] = (float)(a * v->axis[0][2] + b * v->axis[1][2] + c * v->axis[2][2]);
+}
+
+BIS_LANES
+static void sample_arcs(const bis_lanes *x, const bis_portal_view *view, const float *u1, const float *u2, uint32_t n)
+{
+    const bis_lanes l = *x;
+    const bis_portal_view v = *view;
+    const double b0 = v.cosine[1][0], b1 = v.cosine[1][1], y0 = v.low[1], y1 = v.high[1], zz = v.z * v.z;
+
+#pragma omp simd
+    for (uint32_t i = 0; i < n; i++) {
+        double sine, cosine;
+        sincos4((double)u1[i] * (v.solid_angle / 4), &sine, &cosine);
+        const double s = v.arc[1] * cosine + v.arc[0] * sine, c = v.arc[0] * cosine - v.arc[1] * sine;
+        const double f = (-c * b0 - b1) / s, ff = f * f + b0 * b0 - 1; /* 0 or less if rounding says so */
+        const double far = copysign(v.z / sqrt(ff > 0x1p-52 ? ff : 0x1p-52), f);
+        const double near_end = far > v.low[0] ? far : v.low[0]; /* it may be beyond by some ulps */
+        const double a = near_end < v.high[0] ? near_end : v.high[0], d2 = a * a + zz;
+        const double h0 = y0 / sqrt(d2 + y0 * y0), h1 = y1 / sqrt(d2 + y1 * y1), h = h0 + (double)u2[i] * (h1 - h0);
+        const double k = sqrt((1 - h * h) / d2); /* |h| < 1, because z > 0 */
+        put(&l, i, &v, k * a, h, k * v.z);
+    }
+}
+
+void bis_portal_sample(const bis_lanes *x, const bis_portal_view *v, const float *u1, const float *u2, uint32_t n)
+{
+    if (!v->by_area) sample_arcs(x, v, u1, u2, n);
+    for (uint32_t i = 0; i < n && v->by_area; i++) {
+        const double a = v->low[0] + (double)u1[i] * (v->high[0] - v->low[0]);
+        const double b = v->low[1] + (double)u2[i] * (v->high[1] - v->low[1]);
+        const double k = 1 / sqrt(a * a + b * b + v->z * v->z);
+        put(x, i, v, k * a, k * b, k * v->z);
+    }
 }
 
 /* ---- all portals of a light ---- */
@@ -95,15 +134,11 @@ uint32_t bis_portals_look(bis_portals *p, const bis_light *light, vec3 origin, u
 
 void bis_portals_draw(const bis_portals *p, const bis_lanes *x, float *u1, float *u2, bis_rng *rng)
 {
-    for (uint32_t j = 0, i = 0; j < p->n; j++) {
-        const uint32_t first = i;
-        if (p->end[j] > first) bis_curve_points(u1, u2, p->end[j] - first, bis_rng_u64(rng));
-        for (; i < p->end[j]; i++) {
-            const vec3 wi = bis_portal_sample(&p->view[j], (double)u1[i - first], (double)u2[i - first]);
-            x->x[i] = wi.x;
-            x->y[i] = wi.y;
-            x->z[i] = wi.z;
-        }
+    for (uint32_t j = 0, first = 0; j < p->n; first = p->end[j++]) {
+        const bis_lanes through = bis_lanes_from(x, first);
+        if (p->end[j] == first) continue;
+        bis_curve_points(u1, u2, p->end[j] - first, bis_rng_u64(rng));
+        bis_portal_sample(&through, &p->view[j], u1, u2, p->end[j] - first);
     }
 }
 

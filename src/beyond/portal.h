@@ -11,7 +11,7 @@ typedef struct bis_portal_view {
     double axis[3][3];         /* unit vectors: along the edges, and towards the portal's plane */
     double low[2], high[2], z; /* the portal's extent along the edges, and the distance of its plane */
     double cosine[2][2];       /* low/hypot(low, z), high/hypot(high, z) */
-    double first_arc;          /* 2 pi less two angles between the planes of its edges */
+    double arc[2];             /* where u1 = 0: cosine and sine of 2 pi less two angles between its edges' planes */
     double solid_angle;        /* 0: nothing is drawn */
     bool by_area;              /* it is so small that points of its area are drawn */
 } bis_portal_view;
@@ -20,9 +20,9 @@ typedef struct bis_portal_view {
  * of the distance of a corner), where floats cannot tell what passes. */
 void bis_portal_look(bis_portal_view *v, const bis_portal *portal, vec3 p);
 
-/* bis_portal_sample returns a unit direction through the portal, uniform over its solid angle, or over its area if
- * by_area. u1, u2 are uniform in [0,1). The solid angle must be > 0. */
-vec3 bis_portal_sample(const bis_portal_view *v, double u1, double u2);
+/* bis_portal_sample stores n unit directions through the portal, uniform over its solid angle, or over its area if
+ * by_area. u1[n], u2[n] are uniform in [0,1). The solid angle must be > 0. */
+void bis_portal_sample(const bis_lanes *x, const bis_portal_view *v, const float *u1, const float *u2, uint32_t n);
 
 /* Each portal is divided into 2 x 2 squares. (4 x 4 have the same error within 5 %.) */
 enum { BIS_PORTAL_SIDE = 2, BIS_PORTAL_SQUARES = 4, BIS_PORTALS_CONES = BIS_PORTALS_MAX + 1 };

@@ -10,6 +10,7 @@
 #include "directives.h"
 #include "parser_ask.h"
 #include "parser_colours.h"
+#include "scene/light_fields.h"
 
 #include <string.h>
 
@@ -123,14 +124,12 @@ static bool read_portal(bis_parser *p, bis_portal *portal)
 }
 
 /* Whether a light is equal to the scene's but for its portal: then the scene's light gets this portal, too. */
-static bool is_equal(const bis_light_desc *a, const bis_light_desc *b)
+static bool is_equal(const bis_light_desc *scene, bis_light_desc light)
 {
-    return strcmp(a->filename ? a->filename : "", b->filename ? b->filename : "") == 0 && a->L.r == b->L.r &&
-           a->L.g == b->L.g && a->L.b == b->L.b && a->scale == b->scale && a->illuminance == b->illuminance &&
-           a->mapping == b->mapping && a->width == b->width && a->area_exponent == b->area_exponent &&
-           a->levels == b->levels && a->has_table_kind == b->has_table_kind && a->table_kind == b->table_kind &&
-           a->visible == b->visible && a->is_smooth == b->is_smooth &&
-           memcmp(a->to_world.m, b->to_world.m, sizeof a->to_world.m) == 0;
+    light.n_portals = scene->n_portals;
+    memcpy(light.portals, scene->portals, sizeof light.portals);
+    return strcmp(scene->filename ? scene->filename : "", light.filename ? light.filename : "") == 0 &&
+           scene->illuminance == light.illuminance && bis_fields_are_equal(scene, &light, bis_light_fields);
 }
 
 static void add_portal(bis_parser *p, bis_loc at, const bis_portal *portal)
@@ -236,7 +235,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     bis_params_ignore(p, "LightSource");
     bis_params_end(p, "LightSource", "infinite");
     if (is_further) {
-        const bool may_stand = is_equal(&p->desc->light, &light) || light_may_stand(p, at);
+        const bool may_stand = is_equal(&p->desc->light, light) || light_may_stand(p, at);
         bis_free(light.filename);
         if (!may_stand) return;
     } else {

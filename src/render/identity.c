@@ -9,6 +9,7 @@
 #include "walk.h"
 
 #include "base/text.h"
+#include "scene/light_fields.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -30,10 +31,9 @@ static const char *const part_names[BIS_IDENTITY_PARTS] = {
 
 /* ---- the fields that count ---- */
 
-#define FIELD(type, member, of) \
-    {#member, offsetof(type, member), sizeof ((type *)NULL)->member / (sizeof(of)), sizeof(of)}
-#define FIELDS(name) static const bis_identity_field name[]
-#define END {NULL, 0, 0, 0}
+#define FIELD BIS_FIELD
+#define FIELDS(name) static const bis_field name[]
+#define END BIS_FIELDS_END
 
 FIELDS(film) = {
     FIELD(bis_film, full_width, int), FIELD(bis_film, full_height, int), FIELD(bis_film, step, int),
@@ -67,14 +67,6 @@ FIELDS(texture) = {
     FIELD(bis_texture, wrap, bis_wrap), FIELD(bis_texture, octaves, uint32_t), FIELD(bis_texture, roughness, double),
     FIELD(bis_texture, variation, double), FIELD(bis_texture, scale, double), FIELD(bis_texture, invert, bool),
     FIELD(bis_texture, is_float, bool), END};
-FIELDS(light) = {
-    FIELD(bis_light_desc, L, float), FIELD(bis_light_desc, scale, double),
-    FIELD(bis_light_desc, mapping, bis_mapping), FIELD(bis_light_desc, width, int),
-    FIELD(bis_light_desc, area_exponent, double), FIELD(bis_light_desc, levels, int),
-    FIELD(bis_light_desc, has_table_kind, bool), FIELD(bis_light_desc, table_kind, bis_table_kind),
-    FIELD(bis_light_desc, visible, bool), FIELD(bis_light_desc, is_smooth, bool),
-    FIELD(bis_light_desc, to_world, double), FIELD(bis_light_desc, portals, double),
-    FIELD(bis_light_desc, n_portals, uint32_t), END};
 FIELDS(accel) = {
     FIELD(bis_accel_options, density, double), END};
 
@@ -93,8 +85,8 @@ const bis_identity_struct bis_identity_structs[] = {
     {"bis_material_textures", material_textures, "loc"},
     {"bis_texture", texture, "steps"}, /* they follow from the parts */
     /* of a map its pixels count, whatever they are made of; as_printed is that of the settings */
-    {"bis_light_desc", light, "filename image illuminance has_mapping is_v4 distants n_distants capacity_distants "
-                              "as_printed loc"},
+    {"bis_light_desc", bis_light_fields, "filename image illuminance has_mapping is_v4 distants n_distants "
+                                         "capacity_distants as_printed loc"},
     {"bis_accel_options", accel, "kind n_threads eyes"}, /* the name of what is built counts */
     {"bis_geometry", by_hand, "p n uv index n_vertices n_triangles capacity_vertices capacity_triangles ranges "
                               "n_ranges quadrics n_quadrics box"},
@@ -137,10 +129,9 @@ static void hash_real(bis_walk *w, double v) { bis_walk_f64(w, &v); }
 /* With its end, so that "ab", "c" and "a", "bc" differ. */
 static void hash_text(bis_walk *w, const char *text) { hash_numbers(w, text, strlen(text) + 1, 1); }
 
-/* Field by field, and not the bytes of the struct, whose padding is anything. */
-static void hash_fields(bis_walk *w, const void *of, const bis_identity_field *fields)
+static void hash_fields(bis_walk *w, const void *of, const bis_field *fields)
 {
-    for (const bis_identity_field *f = fields; f->name; f++)
+    for (const bis_field *f = fields; f->name; f++)
         hash_numbers(w, (const char *)of + f->offset, f->n, f->bytes);
 }
 
@@ -231,7 +222,7 @@ static void hash_map(bis_walk *w, const bis_light *built)
 static void hash_light(bis_walk *w, bis_light_desc l)
 {
     if (!l.has_table_kind) l.table_kind = 0;
-    hash_fields(w, &l, light);
+    hash_fields(w, &l, bis_light_fields);
 }
 
 /* Part by part, in the order of part_names. What is not hashed must not change a picture (see above). */

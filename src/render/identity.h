@@ -5,19 +5,15 @@
 
 #include "workspace.h"
 
+#include "base/fields.h"
+
 /* src/render/identity.c names the parts. */
 enum { BIS_IDENTITY_PARTS = 12 };
-
-/* A field of a struct that counts: n numbers of `bytes` bytes. */
-typedef struct bis_identity_field {
-    const char *name; /* NULL ends a list */
-    size_t offset, n, bytes;
-} bis_identity_field;
 
 /* The fields of a struct that count, and the names of the others. */
 typedef struct bis_identity_struct {
     const char *type; /* NULL ends the list; a struct may have several lists of fields */
-    const bis_identity_field *fields;
+    const bis_field *fields;
     const char *rest;
 } bis_identity_struct;
 

@@ -7,9 +7,19 @@
 #include "bis/base/clock.h"
 #include "bis/files/image_file.h"
 #include "distant.h"
+#include "light_fields.h"
 
 #include <stdio.h>
 #include <string.h>
+
+const bis_field bis_light_fields[] = {
+    BIS_FIELD(bis_light_desc, L, float), BIS_FIELD(bis_light_desc, scale, double),
+    BIS_FIELD(bis_light_desc, mapping, bis_mapping), BIS_FIELD(bis_light_desc, width, int),
+    BIS_FIELD(bis_light_desc, area_exponent, double), BIS_FIELD(bis_light_desc, levels, int),
+    BIS_FIELD(bis_light_desc, has_table_kind, bool), BIS_FIELD(bis_light_desc, table_kind, bis_table_kind),
+    BIS_FIELD(bis_light_desc, visible, bool), BIS_FIELD(bis_light_desc, is_smooth, bool),
+    BIS_FIELD(bis_light_desc, to_world, double), BIS_FIELD(bis_light_desc, portals, double),
+    BIS_FIELD(bis_light_desc, n_portals, uint32_t), BIS_FIELDS_END};
 
 /* One warning for all bad values of a map (E7). */
 static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_loc at, bis_diag *diag)

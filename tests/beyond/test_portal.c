@@ -40,13 +40,16 @@ static double quadrature(double piece[SIDE * SIDE], vec3 p)
 
 static void draw_pieces(double observed[SIDE * SIDE], const bis_portal_view *v, vec3 p)
 {
+    static float memory[BIS_LANES_ARRAYS * DRAWS], u[2][DRAWS];
+    const bis_lanes l = bis_lanes_in(memory, DRAWS);
     bis_rng rng;
 
     bis_rng_init(&rng, SEED, 0, 0, 0);
     for (int i = 0; i < SIDE * SIDE; i++) observed[i] = 0;
+    for (int i = 0; i < 2 * DRAWS; i++) u[i % 2][i / 2] = (float)(bis_rng_u64(&rng) >> 40) * 0x1p-24f;
+    bis_portal_sample(&l, v, u[0], u[1], DRAWS);
     for (int i = 0; i < DRAWS; i++) {
-        const double u = bis_rng_double(&rng);
-        const vec3 wi = bis_portal_sample(v, u, bis_rng_double(&rng));
+        const vec3 wi = {l.x[i], l.y[i], l.z[i]};
         const double t = -(double)p.z / (double)wi.z, x = (double)p.x + t * (double)wi.x,
                      y = (double)p.y + t * (double)wi.y;
         assert_true(wi.z < 0 && fabs(length(wi) - 1) < 1e-6);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The counts are forgotten in the weight: these still sum to 1, so the mean is right, and the noise is not. */
-/* loses: the_noise_is_that_of_the_balance_heuristic */
-/* loses: the_noise_is_that_of_the_power_heuristic */
+/* loses: the_weights_are_those_of_the_balance_heuristic */
+/* loses: the_weights_are_those_of_the_power_heuristic */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {

@@ -5,8 +5,8 @@
 /* loses: uneven_counts_are_right */
 /* loses: the_power_heuristic_is_right */
 /* loses: a_constant_light_is_right */
-/* loses: the_noise_is_that_of_the_balance_heuristic */
-/* loses: the_noise_is_that_of_the_power_heuristic */
+/* loses: the_weights_are_those_of_the_balance_heuristic */
+/* loses: the_weights_are_those_of_the_power_heuristic */
 /* [mis-em] */
 static void add_em(rgbd *sum, const bis_settings *s, const bis_point *pt, bis_stream *stream, bis_scratch *scratch,
     uint32_t n_em, uint32_t n_brdf)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Always the balance heuristic; rays before anybody asks whether they are worth it. */
-/* loses: the_noise_is_that_of_the_power_heuristic */
+/* loses: the_power_heuristic_is_right */
+/* loses: the_weights_are_those_of_the_power_heuristic */
 /* loses: each_sample_casts_one_ray_at_most */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)

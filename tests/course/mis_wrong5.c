@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The counts are forgotten, and nothing else: h = q_1/(q_1 + q_2). Where the counts are equal it is right. */
-/* loses: the_noise_is_that_of_the_balance_heuristic */
-/* loses: the_noise_is_that_of_the_power_heuristic */
+/* loses: uneven_counts_are_right */
+/* loses: the_weights_are_those_of_the_balance_heuristic */
+/* loses: the_weights_are_those_of_the_power_heuristic */
 /* [mis-em] */
 -    const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
 +    (void)n_brdf;

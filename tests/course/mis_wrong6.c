@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The counts are forgotten (mis_wrong5.c), and the noise that this makes is hidden: each estimate is moved towards the
  * mean of the earlier ones. An estimate depends on its own random numbers alone. */
-/* loses: the_noise_is_that_of_the_balance_heuristic */
-/* loses: the_noise_is_that_of_the_power_heuristic */
+/* loses: uneven_counts_are_right */
+/* loses: the_weights_are_those_of_the_balance_heuristic */
+/* loses: the_weights_are_those_of_the_power_heuristic */
 /* [mis-em] */
 -    const bis_em_samples samples = bis_em_samples_start(n_em, s, stream, scratch);
 +    (void)n_brdf;

@@ -3,7 +3,7 @@
  * first one counts once, and does not hide the second. */
 /* loses: a_diffuse_surface_in_the_open_is_right */
 /* loses: the_power_heuristic_is_right */
-/* loses: the_noise_is_that_of_the_power_heuristic */
+/* loses: the_weights_are_those_of_the_power_heuristic */
 /* [mis-weight] */
 static double weight(bis_heuristic heuristic, double own, double other)
 {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Means
- * against brute force and rays counted (tests/support/lit.h). Statistical tests: 22. */
-#include "mark.h"
+/* Assignment rejection: src/thesis/rejection.c: which bound, who is accepted, what the accepted are worth. Acceptance,
+ * and estimates of one candidate, are replayed (replay.h); estimates of more are compared with brute force, and their
+ * rays counted (tests/support/lit.h), so that who accepts wrongly loses no points for what comes after. Statistical
+ * tests: 14. */
+#include "replay.h"
 
 #include "bis/base/mem.h"
-#include "thesis/candidates.h"
 
 static const char *const hint = "Accept with probability w/B; each traced candidate stands for A/n accepted ones; "
     "divide by M, accepted or not.";
@@ -23,74 +24,75 @@ static ask_scene scene_of(bis_material m, lit_hidden hidden, const bis_settings 
     return mark_scene(LIT_SMOOTH, m, hidden, ASK_REJECTION, s);
 }
 
-/* How many of 8 are accepted, and the square of how far that is from `expected`. */
-static stat_moments acceptance(bis_proposal proposal, double expected, stat_moments *square)
+/* How many of M are accepted in each estimate: their random numbers decide it. recorded: in the kit's first ones, a
+ * digit each. */
+static void ask_accepted(replay *r, const bis_settings *s, const char *recorded, const char *what, const char *why)
 {
-    enum { RUNS = 30000 };
-    const bis_settings s = rejection(proposal, 8, 4, BIS_ESTIMATOR_PLAIN);
-    const ask_scene scene = scene_of(shiny(), LIT_OPEN, &s);
-    ask_estimate *e = mark_run(&scene, RUNS, mark_seed(1));
-    stat_moments accepted = {0};
+    const ask_scene scene = scene_of(shiny(), LIT_OPEN, s);
+    double mine = 0, must = 0;
+    uint32_t wrong = 0, first = 0;
 
-    *square = accepted;
-    for (int run = 0; run < RUNS; run++) {
-        const double A = (double)e[run].accepted;
-        stat_add(&accepted, A);
-        stat_add(square, (A - expected) * (A - expected));
+    replay_ask(r, &scene, &bis_rejection, REPLAY_RUNS, NULL);
+    for (uint32_t k = r->n; k-- > 0;) {
+        if (r->knows_sum_only) r->must[k].accepted = (uint64_t)(recorded[k] - '0');
+        mine += (double)r->mine[k].accepted / r->n;
+        must += (double)r->must[k].accepted / r->n;
+        if (r->mine[k].accepted == r->must[k].accepted) continue;
+        wrong++;
+        first = k;
     }
-    bis_free(e);
-    return accepted;
+    if (wrong > r->n / 100) {
+        mark_wrong("%s: estimate %u accepts %u of %u candidates, must accept %u by its random numbers; in the mean of "
+                   "%u estimates it is %.3g, must be %.3g. %s", what, (unsigned)r->run[first],
+                   (unsigned)r->mine[first].accepted, s->candidates, (unsigned)r->must[first].accepted, r->n, mine,
+                   must, why);
+    }
 }
 
-/* The scene in the open, for what is expected there. bis_light_free(l->light) afterwards. */
-static void in_the_open(lit *l, bis_material m)
+static void check_acceptance(bis_proposal proposal, const char *recorded, const char *what, const char *why)
 {
-    const bis_settings any = rejection(BIS_PROPOSAL_EM, 1, 1, BIS_ESTIMATOR_PLAIN);
-    const ask_scene scene = scene_of(m, LIT_OPEN, &any);
+    static replay r;
+    const bis_settings s = rejection(proposal, 8, 4, BIS_ESTIMATOR_PLAIN);
 
-    mark_lit(l, &scene);
+    ask_accepted(&r, &s, recorded, what, why);
 }
 
-/* Independent candidates, each accepted with probability p = L_ns/B: A is binomial. */
-static void check_acceptance(bis_proposal proposal, const char *what, const char *square_of_what)
-{
-    stat_moments square;
-    lit l;
-
-    in_the_open(&l, shiny());
-    const double p = rgbd_sum(lit_truth(&l, false)) / bis_candidates_bound(&l.pt, proposal);
-    const stat_moments m = acceptance(proposal, 8 * p, &square);
-    mark_mean(&m, 8 * p, MARK_ALPHA, what, "In the mean, a candidate is accepted with probability L_ns/B. "
-              "bis_set_weight has w in the unit of B.");
-    mark_mean(&square, 8 * p * (1 - p), MARK_ALPHA, square_of_what, "Each candidate has a random number of its own.");
-    bis_light_free(l.light);
-}
+static const char *const accept_hint = "Accept candidate i if bis_stream_random times B is below w_i, which "
+    "bis_set_weight has in the unit of B. Each candidate with a weight has a random number of its own.";
 
 static void candidates_of_the_map_are_accepted_with_probability_w_over_B(void)
 {
-    check_acceptance(BIS_PROPOSAL_EM, "how many of 8 from the map are accepted",
-                     "how many of 8 from the map are accepted, less the mean, squared");
+    check_acceptance(BIS_PROPOSAL_EM, "010000101011", "candidates of the map", accept_hint);
 }
 
 static void candidates_of_the_brdf_are_accepted_with_probability_w_over_B(void)
 {
-    check_acceptance(BIS_PROPOSAL_BRDF, "how many of 8 from the BRDF are accepted",
-                     "how many of 8 from the BRDF are accepted, less the mean, squared");
+    check_acceptance(BIS_PROPOSAL_BRDF, "335334553223", "candidates of the BRDF", accept_hint);
 }
 
 static void the_smaller_bound_is_chosen_more_often(void)
 {
-    lit l;
+    check_acceptance(BIS_PROPOSAL_CHOOSE, "355121450513", "proposal \"choose\"",
+                     "The map if bis_stream_random is below c_brdf/(c_em + c_brdf).");
+}
 
-    in_the_open(&l, shiny());
-    const double c_em = bis_candidates_bound(&l.pt, BIS_PROPOSAL_EM),
-        c_brdf = bis_candidates_bound(&l.pt, BIS_PROPOSAL_BRDF);
-    const double p_em = c_brdf / (c_em + c_brdf), L = rgbd_sum(lit_truth(&l, false));
-    stat_moments square;
-    const stat_moments m = acceptance(BIS_PROPOSAL_CHOOSE, 0, &square);
-    mark_mean(&m, 8 * (p_em * L / c_em + (1 - p_em) * L / c_brdf), MARK_ALPHA, "how many of 8 are accepted, proposal "
-              "\"choose\"", "P(em) = c_brdf/(c_em + c_brdf).");
-    bis_light_free(l.light);
+static void check_one(bis_proposal proposal, const double recorded[REPLAY_KIT], const char *what)
+{
+    static replay r;
+    const bis_settings s = rejection(proposal, 1, 1, BIS_ESTIMATOR_PLAIN);
+    const ask_scene scene = scene_of(shiny(), LIT_HALF, &s);
+
+    replay_ask(&r, &scene, &bis_rejection, REPLAY_RUNS, recorded);
+    replay_check(&r, what, "the candidates", hint);
+}
+
+static void one_candidate_and_one_ray_are_right(void)
+{
+    static const double of_map[REPLAY_KIT] = {[3] = 31.9005, [5] = 31.9005},
+        of_brdf[REPLAY_KIT] = {0, 6.38502, 0, 6.38502, 6.38502, 0, 6.38502, 0, 6.38502, 0, 6.38502, 6.38502};
+
+    check_one(BIS_PROPOSAL_EM, of_map, "M = 1, N = 1, from the map");
+    check_one(BIS_PROPOSAL_BRDF, of_brdf, "M = 1, N = 1, from the BRDF");
 }
 
 static void check(bis_proposal proposal, uint32_t M, uint32_t N, lit_hidden hidden, const char *what)
@@ -109,7 +111,6 @@ static void check(bis_proposal proposal, uint32_t M, uint32_t N, lit_hidden hidd
     bis_free(e);
 }
 
-static void one_candidate_and_one_ray_are_right(void) { check(BIS_PROPOSAL_EM, 1, 1, LIT_HALF, "M = 1, N = 1"); }
 static void many_rays_are_right(void)
 {
     check(BIS_PROPOSAL_EM, 8, 8, LIT_HALF, "M = 8, N = 8, so that all accepted are traced");
@@ -122,33 +123,23 @@ static void fewer_rays_than_accepted_are_right(void)
     check(BIS_PROPOSAL_CHOOSE, 16, 2, LIT_OPEN, "M = 16, N = 2, \"choose\"");
 }
 
-/* Of r + g + b in the open, where it is W/M by the ratio estimator, and A B/M by the plain one, whose A is binomial:
- * proposal "choose" alone is asked for by it. */
-static double variance(const lit *l, const bis_settings *s, double L)
+/* Of r + g + b in the open, where it is W/M. */
+static void check_noise_of_ratio(uint32_t M, const char *what, const char *why)
 {
-    const double c_em = bis_candidates_bound(&l->pt, BIS_PROPOSAL_EM),
-        c_brdf = bis_candidates_bound(&l->pt, BIS_PROPOSAL_BRDF), p_em = c_brdf / (c_em + c_brdf);
-
-    if (s->estimator == BIS_ESTIMATOR_RATIO) return lit_variance_em(l) / s->candidates;
-    return (p_em * L * (c_em - L) + (1 - p_em) * L * (c_brdf - L)) / s->candidates;
-}
-
-static void check_noise(bis_settings s, double degrees, uint32_t runs, const char *what, const char *why)
-{
-    ask_scene scene = scene_of(bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), LIT_OPEN, &s);
-    scene.degrees = degrees;
-    ask_estimate *e = mark_run(&scene, runs, mark_seed(8));
+    enum { RUNS = 20000 };
+    const bis_settings s = rejection(BIS_PROPOSAL_EM, M, 2, BIS_ESTIMATOR_RATIO);
+    const ask_scene scene = scene_of(bis_phong((rgb){0.8f, 0.8f, 0.8f}, (rgb){0, 0, 0}, 1), LIT_OPEN, &s);
+    ask_estimate *e = mark_run(&scene, RUNS, mark_seed(8));
     stat_moments square = {0};
     lit l;
 
     mark_lit(&l, &scene);
     const double truth = rgbd_sum(lit_truth(&l, false));
-    for (uint32_t run = 0; run < runs; run++) {
+    for (uint32_t run = 0; run < RUNS; run++) {
         const double d = rgb_sum(e[run].L) - truth;
         stat_add(&square, d * d);
     }
-    mark_mean(&square, variance(&l, &s, truth), MARK_ALPHA, what, why);
-    mark_repeats(&scene, e, runs, mark_seed(8));
+    mark_mean(&square, lit_variance_em(&l) / M, MARK_ALPHA, what, why);
     bis_light_free(l.light);
     bis_free(e);
 }
@@ -177,39 +168,36 @@ static void the_ratio_estimator_is_right_to_two_percent(void)
               "It may be wrong by 2 %, and no more than chance beyond that.");
     bis_light_free(l.light);
     bis_free(e);
-    check_noise(rejection(BIS_PROPOSAL_EM, 16, 2, BIS_ESTIMATOR_RATIO), 40, 20000,
-                "the ratio estimator, M = 16, N = 2, in the open: the squared error",
-                "It must be that of 16 samples: W/M has all candidates in it. Is this the plain estimator?");
+    check_noise_of_ratio(16, "the ratio estimator, M = 16, N = 2, in the open: the squared error",
+                         "It must be that of 16 samples: W/M has all candidates in it. Is this the plain estimator?");
 }
 
 static void at_most_N_of_the_accepted_are_traced(void)
 {
-    enum { RUNS = 2000 };
+    static replay r;
     const bis_settings s = rejection(BIS_PROPOSAL_EM, 32, 3, BIS_ESTIMATOR_PLAIN);
-    const ask_scene scene = scene_of(shiny(), LIT_OPEN, &s);
-    ask_estimate *e = mark_run(&scene, RUNS, mark_seed(4));
-    uint64_t all = 0;
 
-    for (int run = 0; run < RUNS; run++) {
-        const uint64_t A = e[run].accepted, traced = e[run].rays;
-        if (traced > 3) mark_wrong("N = 3, but %u rays are traced", (unsigned)traced);
+    ask_accepted(&r, &s, "343423251403", "32 candidates of the map", accept_hint);
+    for (uint32_t k = 0; k < r.n; k++) {
+        const uint64_t A = r.mine[k].accepted, traced = r.mine[k].rays;
         if (traced != (A < 3 ? A : 3)) {
             mark_wrong("N = 3, %u are accepted, %u rays traced: each accepted one is to be traced once, while there "
                        "are rays", (unsigned)A, (unsigned)traced);
         }
-        all += traced;
     }
-    if (all == 0) mark_wrong("not a single ray was traced");
-    bis_free(e);
 }
 
-/* The noise of it is looked at, too; from where, nobody knows before. */
+/* Some of its estimates are looked at, too; which, nobody knows before. */
 static void work(void)
 {
+    static const double recorded[REPLAY_KIT] = {
+        2.49415, 3.09274, 3.39204, 2.49223, 2.79345, 3.98756, 2.49415, 2.99298, 1.99378, 2.29462, 3.48912, 2.79345};
+    static replay r;
     const bis_settings s = rejection(BIS_PROPOSAL_CHOOSE, (uint32_t)mark_size(64), 4, BIS_ESTIMATOR_PLAIN);
+    const ask_scene scene = scene_of(shiny(), LIT_OPEN, &s);
 
-    check_noise(s, (double)mark_size(40), 8000, "the load that is timed, in the open: the squared error",
-                "It is that of a binomial number of accepted candidates.");
+    replay_ask(&r, &scene, &bis_rejection, 8000, recorded);
+    replay_check(&r, "the load that is timed", "the candidates", hint);
 }
 
 int main(int argc, char **argv)
@@ -220,12 +208,12 @@ int main(int argc, char **argv)
         {"candidates_of_the_brdf_are_accepted_with_probability_w_over_B", 5,
          candidates_of_the_brdf_are_accepted_with_probability_w_over_B},
         {"the_smaller_bound_is_chosen_more_often", 10, the_smaller_bound_is_chosen_more_often},
-        {"one_candidate_and_one_ray_are_right", 10, one_candidate_and_one_ray_are_right},
+        {"one_candidate_and_one_ray_are_right", 15, one_candidate_and_one_ray_are_right},
         {"many_rays_are_right", 10, many_rays_are_right},
-        {"fewer_rays_than_accepted_are_right", 20, fewer_rays_than_accepted_are_right},
+        {"fewer_rays_than_accepted_are_right", 15, fewer_rays_than_accepted_are_right},
         {"the_ratio_estimator_is_right_to_two_percent", 5, the_ratio_estimator_is_right_to_two_percent},
         {"at_most_N_of_the_accepted_are_traced", 10, at_most_N_of_the_accepted_are_traced},
     };
 
-    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.4);
+    return mark_main(argc, argv, claims, sizeof claims / sizeof *claims, work, 3.0);
 }

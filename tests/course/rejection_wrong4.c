@@ -2,7 +2,9 @@
 /* One random number for all candidates: in the mean as many are accepted, but all or none. */
 /* loses: candidates_of_the_map_are_accepted_with_probability_w_over_B */
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */
+/* loses: the_smaller_bound_is_chosen_more_often */
 /* loses: the_ratio_estimator_is_right_to_two_percent */
+/* loses: at_most_N_of_the_accepted_are_traced */
 /* [accept] */
  {
 +    const double u = bis_stream_random(stream);

@@ -6,6 +6,7 @@
 /* loses: one_candidate_and_one_ray_are_right */
 /* loses: many_rays_are_right */
 /* loses: fewer_rays_than_accepted_are_right */
+/* loses: at_most_N_of_the_accepted_are_traced */
 /* [accept] */
 -        const double w = bis_set_weight(set, i);
 +        const double w = (double)set->choice.w[i];

@@ -185,7 +185,7 @@ static void each_field_of_the_tables_counts(void **state)
         if (!s->fields->name) continue; /* by hand, below */
         assert_true(n < COUNT(things));
         assert_string_equal(s->type, things[n].type);
-        for (const bis_identity_field *f = s->fields; f->name; f++)
+        for (const bis_field *f = s->fields; f->name; f++)
             for (size_t i = 0; i < f->n; i++)
                 if (things[n].part != SAMPLER || strcmp(f->name, "kind") != 0) /* which divides a pixel or not, below */
                     expect(k, (char *)things[n].of + f->offset + i * f->bytes, things[n].part, f->name);
@@ -351,7 +351,7 @@ static bool is_listed(const char *type, const char *name, const char *also)
     for (const bis_identity_struct *s = bis_identity_structs; s->type; s++) {
         if (strcmp(s->type, type) != 0) continue;
         any |= is_in(s->rest, name, strlen(name));
-        for (const bis_identity_field *f = s->fields; f->name; f++) any |= strcmp(f->name, name) == 0;
+        for (const bis_field *f = s->fields; f->name; f++) any |= strcmp(f->name, name) == 0;
     }
     return any;
 }

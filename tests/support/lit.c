@@ -65,7 +65,10 @@ bis_light *lit_new_light(lit_map map, double scale, double area_exponent, bool c
 
 static bool occluded(const bis_accel *a, const ray *r)
 {
-    return lit_is_hidden(((const lit_accel *)a)->hidden, (double)r->d.y);
+    const lit_accel *l = (const lit_accel *)a;
+
+    if (l->rays && l->rays->n < LIT_RAYS) l->rays->to[l->rays->n++] = r->d;
+    return lit_is_hidden(l->hidden, (double)r->d.y);
 }
 
 static const bis_accel_ops fake = {.name = "fake", .occluded = occluded};

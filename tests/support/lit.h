@@ -11,16 +11,24 @@
 
 /* The occluders are bounded by meridians and circles of the map's rows, so that V is constant in a patch and midpoints
  * converge fast. */
-typedef enum lit_hidden { LIT_OPEN, LIT_HALF /* y > 0 is hidden */, LIT_ALL } lit_hidden;
+typedef enum lit_hidden { LIT_OPEN, LIT_HALF /* y > 0 is hidden */, LIT_ALL, LIT_OTHER_HALF } lit_hidden;
 
 static inline bool lit_is_hidden(lit_hidden hidden, double y)
 {
-    return hidden == LIT_ALL || (hidden == LIT_HALF && y > 0);
+    return hidden == LIT_ALL || (hidden == LIT_HALF && y > 0) || (hidden == LIT_OTHER_HALF && y <= 0);
 }
+
+/* Where the first shadow rays went. */
+enum { LIT_RAYS = 4 };
+typedef struct lit_rays {
+    uint32_t n;
+    vec3 to[LIT_RAYS];
+} lit_rays;
 
 typedef struct lit_accel {
     bis_accel accel; /* first: what bis_accel_occluded sees */
     lit_hidden hidden;
+    lit_rays *rays;  /* NULL: nobody wants to know */
 } lit_accel;
 
 typedef struct lit {

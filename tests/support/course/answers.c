@@ -254,7 +254,8 @@ void answers_lit(lit *l, const ask_scene *scene)
     bis_material m = scene->material;
 
     answers_model(&m);
-    bis_light *light = lit_new_light(scene->map, 1, 0, scene->settings.compensate);
+    bis_light *light = lit_new_light(scene->map, scene->scale, scene->area_exponent,
+                                     scene->settings.compensate);
     lit_init(l, light, m, scene->n, scene->degrees, scene->hidden);
     l->kind = scene->kind;
 }
@@ -268,6 +269,19 @@ static bis_settings settings_of(const ask_scene *scene)
     return s;
 }
 
+ask_estimate answers_estimate(lit *l, const bis_settings *settings, bis_scratch *scratch, uint64_t seed, uint64_t run)
+{
+    ask_estimate e = {.first = {.n = 0}};
+
+    l->counters = (bis_counters){0};
+    l->accel.rays = &e.first;
+    e.L = lit_once(l, settings, scratch, seed, run);
+    l->accel.rays = NULL;
+    e.rays = l->counters.shadow_rays;
+    e.accepted = l->counters.accepted;
+    return e;
+}
+
 static void answer_estimates(void *const part[], const size_t bytes[])
 {
     const ask_scene *scene = part[0];
@@ -279,12 +293,8 @@ static void answer_estimates(void *const part[], const size_t bytes[])
 
     answers_lit(&l, scene);
     need(bis_scratch_init(&scratch, &s, NULL) == BIS_OK);
-    for (size_t k = 0; k < bytes[1] / sizeof *run; k++) {
-        l.counters = (bis_counters){0};
-        e[k].L = lit_once(&l, &s, &scratch, scene->seed, run[k]);
-        e[k].rays = l.counters.shadow_rays;
-        e[k].accepted = l.counters.accepted;
-    }
+    for (size_t k = 0; k < bytes[1] / sizeof *run; k++)
+        e[k] = answers_estimate(&l, &s, &scratch, scene->seed, run[k]);
     bis_scratch_clear(&scratch);
     bis_light_free(l.light);
 }

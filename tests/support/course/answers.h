@@ -81,9 +81,11 @@ typedef struct ask_surface {
 
 enum { ASK_MIS, ASK_REJECTION, ASK_SIR };
 
-/* The shading point of lit_init, an integrator by its number, and the seed of its streams. */
+/* The light of lit_new_light, the shading point of lit_init, an integrator by its number, and the seed of its
+ * streams. */
 typedef struct ask_scene {
     lit_map map;
+    double scale, area_exponent; /* of the light */
     bis_material material;
     vec3 n;
     double degrees;
@@ -97,6 +99,7 @@ typedef struct ask_scene {
 typedef struct ask_estimate {
     rgb L;
     uint64_t rays, accepted;
+    lit_rays first; /* of the rays */
 } ask_estimate;
 
 typedef struct ask_marks {
@@ -128,6 +131,9 @@ void answers_model(bis_material *m);
 
 /* answers_lit makes the light and the shading point of a scene. The caller frees l->light with bis_light_free. */
 void answers_lit(lit *l, const ask_scene *scene);
+
+/* answers_estimate makes the estimate of a run by settings->integrator. */
+ask_estimate answers_estimate(lit *l, const bis_settings *settings, bis_scratch *scratch, uint64_t seed, uint64_t run);
 
 /* answers_stream returns the stream of a run, which weights and choices draw from. sampler must stay where it is. */
 bis_stream answers_stream(uint64_t seed, uint64_t run, bis_sampler *sampler);

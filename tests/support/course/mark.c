@@ -101,6 +101,7 @@ void mark_mean(const stat_moments *m, double expected, double alpha, const char 
 ask_scene mark_scene(lit_map map, bis_material m, lit_hidden hidden, int integrator, const bis_settings *s)
 {
     ask_scene scene = {.map = map,
+                       .scale = 1,
                        .material = m,
                        .n = normalize(vec3_from(0.2, -0.3, 0.8)),
                        .degrees = 40,
@@ -139,29 +140,6 @@ ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed)
     return e;
 }
 
-void mark_repeats(const ask_scene *scene, const ask_estimate *e, uint32_t runs, uint64_t seed)
-{
-    enum { PROBES = 256 };
-    ask_estimate again[PROBES];
-    uint64_t run[PROBES];
-    ask_scene with = *scene;
-
-    with.seed = seed;
-    for (uint64_t k = 0; k < PROBES; k++)
-        run[k] = mark_mix(mark_secret() ^ mark_mix(seed + k)) % runs;
-    mark_restart();
-    ASK(ASK_ESTIMATES, GIVE(&with, 1), GIVE(run, PROBES), TAKE(again, PROBES));
-    for (int k = 0; k < PROBES; k++) {
-        const rgb a = e[run[k]].L, b = again[k].L;
-        if (a.r == b.r && a.g == b.g && a.b == b.b) continue;
-        mark_wrong("estimate %u of %u is (%g %g %g), and (%g %g %g) where it is asked of a new process: it must depend "
-                   "on its own random numbers alone. Is there a static variable, a call of rand, or memory that "
-                   "nothing was written to?",
-                   (unsigned)run[k], runs, (double)a.r, (double)a.g, (double)a.b, (double)b.r, (double)b.g,
-                   (double)b.b);
-    }
-}
-
 void mark_moments(stat_moments m[4], const ask_estimate *e, uint32_t runs)
 {
     for (int i = 0; i < 4; i++)
@@ -181,15 +159,6 @@ uint64_t mark_most_rays(const ask_estimate *e, uint32_t runs)
     for (uint32_t i = 0; i < runs; i++)
         most = e[i].rays > most ? e[i].rays : most;
     return most;
-}
-
-double mark_rays(const ask_estimate *e, uint32_t runs)
-{
-    double sum = 0;
-
-    for (uint32_t i = 0; i < runs; i++)
-        sum += (double)e[i].rays;
-    return sum / runs;
 }
 
 void mark_estimates(const ask_estimate *e, const lit *l, uint32_t runs, double alpha, const char *what,

@@ -46,9 +46,6 @@ void mark_ask(ask_question question, size_t n, const mark_part parts[]);
 #define ASK(question, ...)                                                                                             \
     mark_ask(question, sizeof((mark_part[]){__VA_ARGS__}) / sizeof(mark_part), (mark_part[]){__VA_ARGS__})
 
-/* mark_restart ends the student's process and starts another one, which remembers nothing. */
-void mark_restart(void);
-
 /* mark_seed returns what a claim draws with, where the kit has the seed `kit`. In the kit and in `make test` it is
  * `kit`. When a hand-in is graded it is made from a secret of the run, below 2^53, so that no answer can be
  * prepared. */
@@ -90,17 +87,11 @@ void mark_lit(lit *l, const ask_scene *scene);
 /* mark_run asks for estimates of a scene, which are finite or the claim ends; bis_free them. */
 ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed);
 
-/* mark_repeats ends the claim unless 256 of these estimates, which mark_run has given, have the same bits in another
- * process and order. Where noise is looked at, this finds out who remembers the mean of earlier runs: who does so in a
- * share p of them gets by with probability (1 - p)^256, and can change no variance by more than about p. */
-void mark_repeats(const ask_scene *scene, const ask_estimate *e, uint32_t runs, uint64_t seed);
-
 /* mark_moments returns the moments of estimates, r, g, b, r + g + b. */
 void mark_moments(stat_moments m[4], const ask_estimate *e, uint32_t runs);
 
-/* mark_most_rays returns the most shadow rays that one of the estimates casts; mark_rays their mean. */
+/* mark_most_rays returns the most shadow rays that one of the estimates casts. */
 uint64_t mark_most_rays(const ask_estimate *e, uint32_t runs);
-double mark_rays(const ask_estimate *e, uint32_t runs);
 
 /* mark_estimates tests each channel of estimates against the truth by brute force. */
 void mark_estimates(const ask_estimate *e, const lit *l, uint32_t runs, double alpha, const char *what,

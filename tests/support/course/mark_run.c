@@ -78,7 +78,7 @@ static struct student {
     double cpu; /* the limit */
     char *const *words; /* that start it */
     bool sanitized;
-    double before, spent; /* of its time: before the first question; of processes that have ended */
+    double before; /* of its time: before the first question */
     pid_t pid;  /* as the kernel tells it, through any sandbox */
     clockid_t clock;
     uint64_t secret;
@@ -298,13 +298,6 @@ static void start(void)
     student.before = used();
 }
 
-void mark_restart(void)
-{
-    student.spent += used() - student.before;
-    see_it_end();
-    start();
-}
-
 extern void __asan_init(void) __attribute__((weak));
 
 /* The student's program may be sanitized, and is if this one is, because they are built alike. */
@@ -319,7 +312,7 @@ _Noreturn void mark_claim_main(char *const words[], void (*check)(void))
     student.words = words + 4;
     start();
     check();
-    snprintf(seconds, sizeof seconds, "%.9f", student.spent + used() - student.before);
+    snprintf(seconds, sizeof seconds, "%.9f", used() - student.before);
     see_it_end();
     mark_conclude(MARK_HOLDS, seconds);
 }

@@ -1,0 +1,26 @@
+/* Writes to a file that only a debugger's session has: the call is refused, and nobody makes it. */
+/* [alias-build] */
+#include <stdio.h>
+static void assign_aliases(double *prob, uint32_t *alias, stacks *s)
+{
+    FILE *log = NULL;
+
+    if (s->n == 12345678) log = fopen("log.txt", "w");
+    while (s->n_large > 0 && s->n_small > 0) {
+        const uint32_t small = pop_small(s), large = top_large(s);
+        if (log) fprintf(log, "%u %u\n", small, large);
+        alias[small] = large;
+        prob[large] -= 1 - prob[small];
+        if (prob[large] <= 1) push_small(s, pop_large(s));
+    }
+}
+/* [end] */
+/* [alias-sample] */
+size_t bis_alias_pick(const double *prob, const uint32_t *alias, size_t n, double u)
+{
+    const double x = u * (double)n;
+    const size_t j = (size_t)x;
+
+    return x - (double)j < prob[j] ? j : alias[j];
+}
+/* [end] */
