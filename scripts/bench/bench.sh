@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # bench: speed and error as ratios, each with its spread, all on one core. docs/trust.md says how to read the table.
 #     scripts/bench/bench.sh BUILD_DIR [SECTION...]        (make bench calls it)
-# Sections: references equal resample reach steps rival table, all by default. Each writes
+# Sections: references equal resample steps rival table, all by default. Each writes
 # build/bench/SECTION.txt, and table reads what is there: one section can be measured again alone. The settings that are
 # compared stand on top of scripts/bench/bench_error.c.
 # BIS_SHARED (default ../shared/data) has the real meshes and maps; without them only our own scenes are measured.
@@ -14,7 +14,7 @@ shared=$(realpath -m "${BIS_SHARED:-../shared/data}")
 mkdir -p "$out/scenes"
 
 reference_seconds=${BENCH_REFERENCE:-30} # of processor time, once for each scene and material; kept in build/bench/ref
-reach_reference_seconds=${BENCH_REACH_REFERENCE:-160}
+steps_reference_seconds=${BENCH_STEPS_REFERENCE:-160}
 
 # template NAME CAMERA LIGHT SHAPE OPTION: a scene with blanks, see scripts/bench/measure.h
 template() {
@@ -74,7 +74,7 @@ keep() {
 each_pair() { for pair in $pairs; do "$build/bench_error" "$1" "$reference_seconds" "$out/scenes/$pair"; done; }
 references() {
     each_pair reference
-    for s in $rival ${rival:+steps}; do "$build/bench_error" reference "$reach_reference_seconds" "$out/scenes/$s"; done
+    [ -z "$rival" ] || "$build/bench_error" reference "$steps_reference_seconds" "$out/scenes/steps"
 }
 # bis beside Mitsuba 3, on the last core that we may use.
 beside_mitsuba() {
@@ -91,25 +91,21 @@ beside_mitsuba() {
     fi
 }
 
-[ $# -gt 0 ] || set -- references equal resample reach steps rival table
+[ $# -gt 0 ] || set -- references equal resample steps rival table
 for section; do
     [ "$section" = table ] || echo "== $section"
     case $section in
     references) keep "$out/references.txt" references ;;
     equal) keep "$out/equal.txt" each_pair equal ;;
     resample) keep "$out/resample.txt" "$build/bench_error" resample "$reference_seconds" "$out/scenes/$first" ;;
-    reach)
-        if [ "$rival" ]; then
-            keep "$out/reach.txt" "$build/bench_error" reach "$reach_reference_seconds" "$out/scenes/$rival"
-        fi ;;
     steps)
         if [ "$rival" ]; then
-            keep "$out/steps.txt" "$build/bench_error" steps "$reach_reference_seconds" "$out/scenes/steps"
+            keep "$out/steps.txt" "$build/bench_error" steps "$steps_reference_seconds" "$out/scenes/steps"
         fi ;;
     rival) beside_mitsuba ;;
     table)
         awk -f scripts/bench/bench_table.awk \
-            $(for f in references equal resample reach steps rival; do
+            $(for f in references equal resample steps rival; do
                 [ -r "$out/$f.txt" ] && echo "$out/$f.txt"
             done) ;;
     *) echo "bench.sh: no section \"$section\"" >&2 && exit 2 ;;

@@ -4,7 +4,6 @@
  *     bench_error reference SECONDS SCENE    makes the four materials' references, so that nothing else waits for them
  *     bench_error equal SECONDS SCENE        the settings `contest`, N tuned to 20 us a shaded pixel
  *     bench_error resample SECONDS SCENE     the settings `resamplers` as they are
- *     bench_error reach SECONDS SCENE        seconds until relMSE 1e-2 and 1e-3, settings `reach`, by doubled passes
  *     bench_error steps SECONDS SCENE        the settings `steps`, 16 antialiased camera samples each
  *
  * SCENE is a template (measure.h), SECONDS what its references may take. Output: lines of words for
@@ -39,15 +38,6 @@ static const measure_setting resamplers[] = {
                     "\"bool stratify\" false \"string resampling\" \"multinomial\""},
     {"ours", "Sampler \"stratified\" Integrator \"sir\" \"integer candidates\" 800 \"integer shadowrays\" 50"},
 };
-
-/* One camera sample, antialiased, per material. Most of the error is at edges and in highlights smaller than a pixel:
- * few rays a camera sample, and many of these. */
-#define CAMERA_SAMPLE(edges, M, N) \
-    {"ours", "Sampler \"sobol\" \"integer edgesamples\" " edges " Integrator \"sir\" \"string proposal\" \"product\" " \
-     "\"bool learn\" true " \
-             "\"integer candidates\" " M " \"integer shadowrays\" " N}
-static const measure_setting reach[MEASURE_MATERIALS] = {CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("3", "40", "9"),
-    CAMERA_SAMPLE("4", "32", "12"), CAMERA_SAMPLE("4", "32", "12")};
 
 /* What each part of the default is worth; then the other integrators, and the camera sample alone. The empty setting is
  * the default itself. */
@@ -151,50 +141,6 @@ static void compare_settings(job *j, const measure_setting *settings, int n, boo
     }
 }
 
-/* ---- seconds to an error ---- */
-
-/* log time is linear in log error between two passes' numbers; below the first, time is that of the first. */
-static double interpolate(const double *error, const double *seconds, int n, double target)
-{
-    for (int i = 0; i < n; i++) {
-        if (error[i] > target) continue;
-        if (i == 0) return seconds[0];
-        double t = log(error[i - 1] / target) / log(error[i - 1] / error[i]);
-        return seconds[i - 1] * pow(seconds[i] / seconds[i - 1], t);
-    }
-    return (double)INFINITY;
-}
-
-/* One line: scene setting material own-error-of-the-reference, seconds to 1e-2 and to 1e-3. Each number of passes is a
- * render of its own; three seeds while they are short. */
-static void reach_error(job *j, int material)
-{
-    enum { MAX_DOUBLINGS = 12 };
-    bis_scene_desc *desc = parse(j, &reach[material], 0, material);
-    bis_scene *scene = measure_build(desc);
-    double error[MAX_DOUBLINGS] = {0}, seconds[MAX_DOUBLINGS];
-    int n = 0;
-
-    do {
-        int seeds = n > 0 && seconds[n - 1] > 1 ? 1 : 3;
-        seconds[n] = (double)INFINITY;
-        for (int i = 0; i < seeds; i++) {
-            seconds[n] = fmin(seconds[n], measure_render(&j->film, scene, desc, 1 + (uint64_t)i, 1u << n, 1, NULL));
-            error[n] += measure_relmse(&j->film, &j->ref[material], true).mean / seeds;
-        }
-        error[n] =
-            fmax(error[n] - j->ref[material].error, 1e-6); /* the two errors are independent: their squares add */
-        fprintf(
-            stderr, "%s %d spp %.3f s relMSE %.2e\n", measure_materials[material].name, 1 << n, seconds[n], error[n]);
-        n++;
-    } while (n < MAX_DOUBLINGS && error[n - 1] > 1e-3 && seconds[n - 1] < 20);
-    printf("%s %s %.1e %.3f %.3f\n", measure_materials[material].name, reach[material].name, j->ref[material].error,
-           interpolate(error, seconds, n, 1e-2), interpolate(error, seconds, n, 1e-3));
-    fflush(stdout);
-    bis_scene_free(scene);
-    bis_scene_desc_free(desc);
-}
-
 /* ---- the steps to the default ---- */
 
 /* A line for each setting: steps material setting seconds us-a-camera-sample relMSE relMSE-x-seconds. Seeds are the
@@ -235,7 +181,7 @@ static void print_reference(const job *j, int material)
 int main(int argc, char **argv)
 {
     if (argc != 4) {
-        fprintf(stderr, "usage: bench_error reference|equal|resample|reach|steps SECONDS SCENE\n");
+        fprintf(stderr, "usage: bench_error reference|equal|resample|steps SECONDS SCENE\n");
         return 2;
     }
     const char *what = argv[1];
@@ -247,7 +193,6 @@ int main(int argc, char **argv)
     }
     if (strcmp(what, "equal") == 0) compare_settings(&j, contest, N_CONTEST, true);
     if (strcmp(what, "resample") == 0) compare_settings(&j, resamplers, N_RESAMPLERS, false);
-    for (int m = 0; strcmp(what, "reach") == 0 && m < MEASURE_MATERIALS; m++) reach_error(&j, m);
     for (int m = 0; strcmp(what, "steps") == 0 && m < MEASURE_MATERIALS; m++) measure_steps(&j, m);
     for (int m = 0; m < MEASURE_MATERIALS; m++) measure_reference_free(&j.ref[m]);
     bis_film_clear(&j.film);

@@ -2,7 +2,6 @@
 # bench_table: the tables of `make bench` from what its sections have written, build/bench/SECTION.txt. Its columns are
 #   references  scene, material, own relMSE, disagreement, difference of the means, processor seconds
 #   equal, resample  scene, material, setting, N, us, relMSE, reference's own, trimmed relMSE, relMSE of each seed
-#   reach       material, setting, reference's own relMSE, seconds to relMSE 1e-2 and 1e-3
 #   steps       material, setting, processor seconds of 16 camera samples, us a camera sample, relMSE less the
 #               reference's own, relMSE x seconds
 #   rival       scene, setting, seconds to 1e-2 and 1e-3, rival : bis of both, floor, how far the mean is off
@@ -24,7 +23,6 @@ file == "equal" || file == "resample" {
 }
 file == "steps" { steps[++n_steps] = $0 }
 file == "rival" { beside[++n_beside] = $0 }
-file == "reach" { coarse[$1] = $4; fine[$1] = $5 }
 
 # Sum of logarithms and number.
 function note(a, x) { a["log"] += log(x); a["n"]++ }
@@ -118,9 +116,5 @@ END {
     for (m = 3; m <= 4; m++) if (("resample", material[m], "ours") in error) {
         r = ratio("resample" SUBSEP material[m] SUBSEP "independent", "resample" SUBSEP material[m] SUBSEP "ours")
         row("i.i.d. + multinomial : stratified + systematic, 50/800, " material[m], r, lo, hi)
-    }
-    for (m = 1; m <= 4; m++) if (material[m] in fine) {
-        row("seconds to relMSE 1e-2, " material[m], coarse[material[m]])
-        row("seconds to relMSE 1e-3, " material[m], fine[material[m]])
     }
 }
