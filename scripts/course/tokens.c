@@ -26,7 +26,7 @@ static void set_fault(token_file *f, unsigned line, const char *what)
 
 /* The file without its continued lines, and the line of each byte. Compilers take blanks behind the backslash for
  * nothing. */
-static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
+static char *unfold(const char *raw, size_t n, unsigned *lines)
 {
     char *text = malloc(n + 2);
     size_t k = 0;
@@ -48,7 +48,6 @@ static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
     }
     lines[k] = line;
     text[k] = '\0';
-    *length = k;
     return text;
 }
 
@@ -242,30 +241,24 @@ static char *contents(const char *path, size_t *n)
 
 bool tokens_read(token_file *f, const char *path, bool is_template)
 {
-    size_t n = 0, length = 0;
+    size_t n = 0;
     char *raw = contents(path, &n);
-    unsigned *lines = raw ? malloc((n + 2) * sizeof *lines) : NULL;
 
-    *f = (token_file){0};
-    if (!lines)
+    *f = (token_file){.lines = malloc((n + 2) * sizeof *f->lines),
+                      .tokens = calloc(n + 8, sizeof *f->tokens),
+                      .items = calloc(n + 8, sizeof *f->items)};
+    if (!raw || !f->lines || !f->tokens || !f->items)
         snprintf(f->fault, sizeof f->fault, "it cannot be read");
     else if (n > TOKEN_BYTES)
         snprintf(f->fault, sizeof f->fault, "it has more than a million bytes");
     else if (memchr(raw, '\0', n))
         snprintf(f->fault, sizeof f->fault, "it is no text");
-    if (!f->fault[0]) f->text = unfold(raw, n, lines, &length);
-    if (f->text) {
-        f->tokens = calloc(length + 8, sizeof *f->tokens);
-        f->items = calloc(length + 8, sizeof *f->items);
-        if (f->tokens && f->items) {
-            f->lines = lines;
-            lex(&(lexer){.f = f, .text = f->text, .lines = lines, .is_template = is_template});
-            cut(f);
-        }
+    else if ((f->text = unfold(raw, n, f->lines))) {
+        lex(&(lexer){.f = f, .text = f->text, .lines = f->lines, .is_template = is_template});
+        cut(f);
     }
     free(raw);
-    if (!f->lines) free(lines);
-    return !f->fault[0] && f->tokens && f->items;
+    return f->text && !f->fault[0];
 }
 
 void tokens_clear(token_file *f)
@@ -432,24 +425,19 @@ static bool is_refused(const token_file *f, const token_file *template, char *co
     }
 }
 
-/* Is token i of theirs a condition that has no end before what is ours begins, or that ends no other? */
+/* Is token i of theirs a condition whose other end is not before what is ours begins? Looks on from its beginning, back
+ * from all else. */
 static bool encloses_ours(const token_file *f, size_t i)
 {
+    const bool opens = begins(&f->tokens[i + 1], "if");
     int depth = 0;
 
     if (f->tokens[i].kind != TOKEN_DIRECTIVE || !among(&f->tokens[i + 1], conditions)) return false;
-    if (!begins(&f->tokens[i + 1], "if")) { /* its beginning lies before it */
-        for (size_t k = i; k-- > 0 && f->tokens[k].theirs;) {
-            if (f->tokens[k].kind != TOKEN_DIRECTIVE) continue;
-            depth += is(&f->tokens[k + 1], "endif") - begins(&f->tokens[k + 1], "if");
-            if (depth < 0) return false;
-        }
-        return true;
-    }
-    for (size_t k = i; k < f->n && f->tokens[k].theirs; k++) {
+    for (size_t k = opens ? i + 1 : i - 1; k < f->n && f->tokens[k].theirs; opens ? k++ : k--) {
         if (f->tokens[k].kind != TOKEN_DIRECTIVE) continue;
-        depth += begins(&f->tokens[k + 1], "if") - is(&f->tokens[k + 1], "endif");
-        if (depth == 0) return false;
+        const int deeper = begins(&f->tokens[k + 1], "if") - is(&f->tokens[k + 1], "endif");
+        depth += opens ? deeper : -deeper;
+        if (depth < 0) return false;
     }
     return true;
 }
