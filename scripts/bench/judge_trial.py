@@ -3,11 +3,14 @@
 
     python3 scripts/bench/judge_trial.py right OUT N [FIRST]  N right pictures of each scene by Mitsuba, N/4 by bis
     python3 scripts/bench/judge_trial.py wrong OUT            pictures of each scene with each mistake that changes it
+    python3 scripts/bench/judge_trial.py judged OUT [NAME]... the verdicts on both, of all scenes or some
 
 Writes OUT/right/NAME-PROGRAM.npy and OUT/wrong/NAME-MISTAKE.npy, float32 (n, 48, 64, 3), and OUT/right.csv and
 OUT/wrong.csv with a row for each picture. Files that exist are not made again. Pictures of other seeds than from 1 go
 into NAME-PROGRAM-FIRST.npy. The mistakes are made in what Mitsuba is given (its map, its scene, its integrator) or in
-the picture. Phong's scenes, which Mitsuba lacks, are by bis alone.
+the picture. Phong's scenes, which Mitsuba lacks, are by bis alone. Verdicts are added to OUT/judge-right.csv and
+OUT/judge-wrong.csv, which are docs/data. Right pictures are judged by the convention of their program, wrong ones as
+a user's are; seconds are of user time.
 
 BIS_LIBRARY names the library. Mitsuba 3.9 needs LLVM 16 or newer (DRJIT_LIBLLVM_PATH), and two threads: with one it
 hangs."""
@@ -22,7 +25,7 @@ import mitsuba as mi
 import numpy as np
 
 import bis
-from bis.tools.judge import kit
+from bis.tools.judge import causes, kit, report, verdict
 
 mi.set_variant('llvm_ad_rgb')
 dr.set_thread_count(2)
@@ -220,8 +223,52 @@ def keep(out, kind, label, pictures):
     print(f'{label} {len(pictures)} pictures, {time.time() - start:.0f} s', flush=True)
 
 
+def stacks(out, name):
+    """(file, row, pictures) of the right pictures: those of Mitsuba alone, and all in eights of one noise."""
+    with open(f'{out}/right.csv', newline='') as f:
+        rows = [row for row in csv.reader(f) if re.fullmatch(name + r'-(mitsuba|bis)(-\d+)?\.npy', row[0])]
+    groups = [[row] for row in rows if row[2] == 'mitsuba']
+    for like in sorted({(row[0], *row[3:4], row[6]) for row in rows}):
+        same = [row for row in rows if (row[0], row[3], row[6]) == like]
+        groups += [same[i:i + 8] for i in range(0, len(same) - 7, 8)]
+    for group in groups:
+        stack = np.load(f'{out}/right/{group[0][0]}', mmap_mode='r')
+        yield group, stack[[int(row[1]) for row in group]].astype(float)
+
+
+def judge_right(out, name, made):
+    """Rows of judge-right.csv."""
+    separable = 'conductor' in kit.text(name)
+    for group, theirs in stacks(out, name):
+        program, method, seed, _, noise = group[0][2:7]
+        like = causes.CONVENTIONS[1 + 2 * separable if program == 'mitsuba' else 0]
+        _, v = report.truth_for(made(1, like), theirs, verdict.ROUNDING)
+        parts = ['%.4g' % v.parts[k] if k in v.parts else '' for k in ('all tiles', 'worst tile', 'mean', 'outlines')]
+        yield name, program, method, seed, len(group), noise, '%.4g' % v.p, *parts
+
+
+def judge_wrong(out, name, made):
+    """Rows of judge-wrong.csv."""
+    for mistake in (*MAPS, *dict(TEXTS, **PHONG_TEXTS), *PICTURES):
+        path = f'{out}/wrong/{name}-{mistake}.npy'
+        if os.path.exists(path):
+            start, theirs = os.times(), np.load(path).astype(float)
+            c = report.judged(name, [path], theirs, verdict.ROUNDING, made)
+            said = '; '.join('%s %.2g' % (f.name.replace(',', ''), f.verdict.p) for f in c.named)
+            yield (name, mistake, len(theirs), 'right' if c.verdict.is_right else 'wrong', '%.2g' % c.verdict.p,
+                   '%.5f' % c.verdict.noise, 'sure' if c.is_sure else '', len(c.named), said,
+                   '%.1f' % (os.times().user - start.user))
+
+
 def main():
     mode, out = sys.argv[1], os.path.abspath(sys.argv[2])
+    if mode == 'judged':
+        for name in sys.argv[3:] or kit.NAMES:
+            made = report.studios_of_kit(name)
+            for kind, rows in (('right', judge_right(out, name, made)), ('wrong', judge_wrong(out, name, made))):
+                with open(f'{out}/judge-{kind}.csv', 'a', newline='') as f:
+                    csv.writer(f, lineterminator='\n').writerows(rows)
+        return
     folder = f'{out}/kit-{mode}'
     kit.write(folder)
     os.makedirs(f'{out}/{mode}', exist_ok=True)

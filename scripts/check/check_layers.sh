@@ -33,6 +33,10 @@ FNR == 1 {
         bad = 1
     }
 }
+cloned && !/^static / {
+    printf "%s:%d: a BIS_LANES function that is not static: clang 14 hides it from other files\n", FILENAME, FNR
+    bad = 1
+}
 cloned && /^static / {
     name = $0; sub(/\(.*/, "", name); sub(/.*[ *]/, "", name)
     if (name in file && file[name] != FILENAME) {

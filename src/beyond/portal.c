@@ -143,7 +143,7 @@ void bis_portals_draw(const bis_portals *p, const bis_lanes *x, float *u1, float
 }
 
 BIS_LANES
-void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn)
+static void pass(const bis_portals *p, float *q, uint32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn)
 {
     const bis_lanes l = *x;
 
@@ -174,6 +174,11 @@ void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis
             place[i] = passes ? (uint32_t)at : place[i];
         }
     }
+}
+
+void bis_portals_pass(const bis_portals *p, float *q, uint32_t *place, const bis_lanes *x, uint32_t n, uint32_t drawn)
+{
+    pass(p, q, place, x, n, drawn);
 }
 
 bool bis_portals_are_missed(const bis_light *light, ray eye)

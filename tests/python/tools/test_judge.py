@@ -60,6 +60,15 @@ class Verdicts(unittest.TestCase):
             return float(verdict.normal_p(v.z).min())
         self.assertTrue(all(too_many(p_values(1, 1.0, worst))))
 
+    def test_a_filter_wider_than_a_pixel_makes_neighbours_alike(self):
+        truth, theirs = pictures(4, 0.5)
+        noise, taps = theirs - truth.mean, (0.25, 0.5, 0.25)
+        for axis in (1, 2):
+            noise = sum(t * np.roll(noise, i, axis) for i, t in enumerate(taps))
+        for spread, is_right in ((0.375 ** -2, True), (1.0, False)):  # 0.375: of squared taps
+            v = verdict.judge(truth.mean + noise, truth._replace(spread=spread))
+            self.assertEqual(v.is_right, is_right)
+
     def test_small_mistakes_are_seen(self):
         truth, theirs = pictures(8, 0.1)
         for name, wrong in (("0.2 %", theirs * 1.002), ("moved", np.roll(theirs, 1, 2)),
@@ -113,12 +122,13 @@ class Causes(unittest.TestCase):
     def test_a_turn_and_a_cut_are_fitted(self):
         studio = self.studio()
         m = studio.map.pixels
-        for coarse, finest, change, value, off in (
-                (np.arange(2, 6) / 32, 1 / 2048, causes._turned, 213 / 2048, 1 / 512),
-                (np.arange(2.0, 5.0), 1 / 64, lambda m, v: np.minimum(m, 2 ** v), 2.9, 0.1)):
-            with self.subTest(value=value):
-                theirs = self.pictures(studio, light=np.ascontiguousarray(change(m, value)))
-                fitted = causes._fitted(studio, theirs, coarse, finest, change)
+        for name, coarse, value, off in (
+                ("the map turned by %.4g degrees", np.arange(2, 6) / 32, 213 / 2048, 1 / 512),
+                ("the map cut off at %.3g", np.arange(2.0, 5.0), 2.9, 0.1)):
+            with self.subTest(name):
+                changed = causes.NUMBERS[name](m, value)
+                theirs = self.pictures(studio, light=np.ascontiguousarray(changed))
+                fitted = causes._fitted(studio, theirs, name, coarse.tolist())
                 self.assertLess(abs(fitted - value), off)
 
     def test_twice_the_light_is_named_with_all_that_it_may_be(self):
@@ -127,7 +137,7 @@ class Causes(unittest.TestCase):
         studio.at(causes.LEVELS[1])
         truth = studio.right()
         noise = 1 + 0.01 * np.random.default_rng(SEED).standard_normal((8,) + truth.mean.shape)
-        found = causes._try(studio, causes.FACTOR, studio.right, 2 * truth.mean * noise, 1e-4)
+        found = causes._try(studio, causes.FACTOR, causes.Studio.right, 2 * truth.mean * noise, 1e-4)
         self.assertEqual(found.name, "twice the light (MIS without weights, or +1 EV)")
         self.assertTrue(found.verdict.is_right)
 

@@ -39,14 +39,6 @@ picture of 8 bits.
 """)
 
 
-def _kit(folder: str) -> int:
-    from . import kit, report
-
-    kit.write(folder)
-    command.put(report.write_exact(folder))
-    return command.DONE
-
-
 def _cases_of(folder: str, say: command.Say) -> list[Case]:
     """The pictures in a folder, by the scenes of the kit: the longest name that a file begins
     with."""
@@ -61,7 +53,7 @@ def _cases_of(folder: str, say: command.Say) -> list[Case]:
     if not by_name:
         raise Error('error: "%s" holds no picture of the kit: give NAME.exr (.hdr, .pfm, .npy), '
                     "with NAME as in `bis judge --kit DIR`" % folder)
-    return [report.of_kit(n, by_name[n], say) for n in kit.NAMES if n in by_name]
+    return [report.case_of(n, by_name[n], True, say) for n in kit.NAMES if n in by_name]
 
 
 def _cases(o: SimpleNamespace, operands: list[str], say: command.Say) -> list[Case]:
@@ -73,16 +65,18 @@ def _cases(o: SimpleNamespace, operands: list[str], say: command.Say) -> list[Ca
         raise Error("error: give PICTURE... SCENE, a folder with pictures of the kit, or --kit DIR "
                     "(bis judge --help)")
     with telling(say):
-        return [report.of_scene(operands[-1], operands[:-1], say)]
+        return [report.case_of(operands[-1], operands[:-1], False, say)]
 
 
 def _body(o: SimpleNamespace, operands: list[str], say: command.Say) -> int:
-    from . import report
+    from . import kit, report
 
     if o.kit is not None:
         if operands:
             raise Error('error: "%s" beside --kit: give one of them' % operands[0])
-        return _kit(o.kit)
+        kit.write(o.kit)
+        command.put(report.write_exact(o.kit))
+        return command.DONE
     if o.html:
         files.check_writable(o.html)
         files.check_distinct(operands, [o.html])

@@ -7,14 +7,16 @@ other scenes, other films, or functions of the picture. A mistake of the cosine,
 of facets, weighs directions: its picture is the right one times a quotient of two sums over shadow
 rays at each pixel's centre.
 
-A cause is held against the picture by the same test as the truth. It is refined while it is not
-rejected, until its own error is small beside that of the picture.
+A cause is held against the picture by the same test as the truth. Four camera samples a pixel
+reject most causes. What they do not reject is refined, until its own error is small beside that of
+the picture. A studio keeps what it has predicted for the next picture of its scene.
 """
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+import warnings
+from collections.abc import Iterable, Sequence
 from typing import Any, Callable, NamedTuple, Optional
 
 import numpy as np
@@ -22,16 +24,15 @@ import numpy as np
 from ... import Envmap, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
-from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of
+from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of, tile_means
 
-LEVELS = ((4, 2), (8, 8), (16, 32), (16, 128))  #: copies of a picture, camera samples of a copy
-SURE = 0.01  #: the least p of a cause that is named
-REJECTED = 1e-5  #: p below which a cause is refined no more
+#: Copies of a picture, camera samples of a copy; the last for right pictures alone.
+LEVELS = ((2, 2), (8, 8), (16, 32), (16, 128))
+REJECTED = 1e-10  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
 TURNS = 2048  #: of the map, any of which is found
-FINE = 8  #: subpixels along a pixel's side, for films and filters
-RAYS = 512  #: at a pixel, for a quotient
-GROUPS = 16  #: of them
+FINE = 6  #: subpixels along a pixel's side, for films and filters
+RAYS = 32  #: at a pixel for a copy, at least, for a quotient
 MOST = 10000  #: pixels of a cause's picture: of larger pictures each k-th pixel is taken
 LAYERS = ("normal", "depth", "unoccluded")
 
@@ -46,6 +47,8 @@ class Found(NamedTuple):
     name: str
     verdict: Verdict
     truth: Truth
+    key: str  #: its name without a number
+    make: Make  #: its picture in any studio of the scene
 
 
 # ---- the pictures ----
@@ -64,7 +67,7 @@ CONVENTIONS = (Convention(""), Convention("with a bilinear map", True),
 
 
 class Studio:
-    """Pictures of one scene, by several seeds each."""
+    """Pictures of one scene, by several seeds each. All are kept."""
 
     def __init__(self, source: str, light: Optional[Envmap], map_: Optional[Envmap], step: int = 1,
                  like: Convention = Convention("")) -> None:
@@ -74,8 +77,8 @@ class Studio:
         self.step = step
         self.like = like
         self.scene = Scene(source, light=light)
+        self._kept: dict[Any, Any] = {}
         self.at(LEVELS[0])
-        self._quotients: dict[Any, Doubles] = {}
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
         self.alpha = p.alpha.astype(float)
         self._shapes = [p.layers[name].astype(float) for name in ("normal", "depth")]
@@ -88,16 +91,18 @@ class Studio:
     def at(self, level: tuple[int, int]) -> None:
         """Make pictures of so many copies and camera samples from here on."""
         self.n, self.spp = level
-        self._kept: dict[Any, Doubles] = {}
 
-    def copies(self, light: Any = None, scene: Optional[Scene] = None, layer: str = "",
-               **how: Any) -> Doubles:
+    def once(self, key: Any, make: Callable[[], Any]) -> Any:
+        """What `make` returns at this level, made only once."""
+        key = (self.n, self.spp, key)
+        if key not in self._kept:
+            self._kept[key] = make()
+        return self._kept[key]
+
+    def rendered(self, light: Any = None, scene: Optional[Scene] = None, layer: str = "",
+                 **how: Any) -> Doubles:
         """Copies (n, h, w, 3) of the picture, or of a layer, under another light."""
-        key = (layer, tuple(how.items()))
-        is_own = light is None and scene is None
-        if is_own and key in self._kept:
-            return self._kept[key]
-        if is_own and self.like.is_bilinear:
+        if light is None and self.like.is_bilinear:
             light = Envmap(_bilinear(self.map.pixels))
         how = {"spp": self.spp, "step": self.step, "layers": layer or "none", **how}
         out = []
@@ -106,10 +111,12 @@ class Studio:
             out.append(p.layers[layer] if layer else p.rgb)
         copies = np.array(out, float)
         if self.like.is_separable and not layer and "width" not in how:
-            copies *= self._quotient(separable)[:self.n]
-        if is_own:
-            self._kept[key] = copies
+            copies *= self.quotient(separable)
         return copies
+
+    def copies(self, layer: str = "") -> Doubles:
+        """Copies (n, h, w, 3) of the right picture, or of a layer."""
+        return self.once("copies " + layer, lambda: self.rendered(layer=layer))
 
     def truth(self, copies: Doubles, unknown: Any = False) -> Truth:
         """The copies with their outlines; nothing is said of pixels that are unknown."""
@@ -119,12 +126,19 @@ class Studio:
         """The right picture."""
         return self.truth(self.copies())
 
-    def under(self, change: Callable[[Floats], Any]) -> Truth:
-        """The picture under a changed map."""
+    def flipped(self, at: Any) -> Truth:
+        """The right picture with another order of rows and columns."""
+        t = self.right()
+        return Truth(t.copies[(np.s_[:],) + at], t.outlines[at], t.background[at])
+
+    def under(self, change: Callable[[Floats], Any]) -> Optional[Truth]:
+        """The picture under a changed map; None: the map is not known."""
+        if self.map is None:
+            return None
         pixels = np.ascontiguousarray(change(self.map.pixels), np.float32)
         if self.like.is_bilinear:
             pixels = _bilinear(pixels)
-        return self.truth(self.copies(light=Envmap(pixels)))
+        return self.truth(self.rendered(light=Envmap(pixels)))
 
     @property
     def text(self) -> str:
@@ -140,18 +154,21 @@ class Studio:
         changed = change(self.text)
         if changed == self.text or (self.light is None and "filename" in self.text):
             return None
-        return self.truth(self.copies(scene=Scene(changed, light=self.light)))
+        return self.truth(self.rendered(scene=Scene(changed, light=self.light)))
 
-    def fine(self) -> Doubles:
+    def _fine(self) -> Doubles:
         """Copies of FINE x FINE subpixels a pixel."""
         size = self.scene.about()
         spp = max(self.spp // (FINE * FINE), 1)
-        return self.copies(width=FINE * size["width"], height=FINE * size["height"], spp=spp)
+        return self.rendered(width=FINE * size["width"], height=FINE * size["height"], spp=spp)
 
-    def filtered(self, taps: Doubles, y: int = 0, x: int = 0) -> Truth:
+    def filtered(self, taps: Doubles, y: int = 0, x: int = 0) -> Optional[Truth]:
         """The picture by a filter along x and y, as weights of subpixels about a place (y, x)
-        subpixels from a pixel's centre. Nothing is said of the rim, where a filter lacks pixels."""
-        c = self.fine()
+        subpixels from a pixel's centre. Nothing is said of the rim, where a filter lacks pixels.
+        None: pixels are left out."""
+        if self.step > 1:
+            return None
+        c = self.once("fine", self._fine)
         for axis, offset in ((1, y), (2, x)):
             c = np.moveaxis(c, axis, 0)
             n, half = len(c), len(taps) // 2
@@ -162,51 +179,56 @@ class Studio:
             c = np.moveaxis(c, 0, axis)
         rim = np.ones(c.shape[1:3], bool)
         rim[3:-3, 3:-3] = False
-        return self.truth(c, rim)
+        return self.truth(c, rim)._replace(spread=(FINE * np.sum(taps ** 2)) ** -2)
 
-    def _quotient(self, weight: Weight) -> Doubles:
-        """What the weight multiplies the picture with, (GROUPS, h, w, 3)."""
-        if weight not in self._quotients:
-            q = np.ones((GROUPS,) + self.alpha.shape + (3,))
-            stage = self.scene.stage()
-            for y, x in np.argwhere(self.alpha == 1).tolist():
-                if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
-                    q[:, y, x] = _quotient(stage, self.map, weight, y * 65537 + x)
-            self._quotients[weight] = q
-        return self._quotients[weight]
+    def _quotients(self) -> dict[Weight, Doubles]:
+        weights = [*WEIGHTS.values(), separable]
+        q = np.ones((len(weights), self.n) + self.alpha.shape + (3,))
+        stage, rays = self.scene.stage(), max(RAYS, self.spp)
+        for y, x in np.argwhere(self.alpha == 1).tolist():
+            if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
+                drawn = stage.rays(runs=self.n, seed=y * 65537 + x, integrator="em", samples=rays)
+                q[:, :, y, x] = _quotients(stage, self.map, weights, self.n, drawn)
+        return dict(zip(weights, q))
+
+    def quotient(self, weight: Weight) -> Doubles:
+        """What the weight multiplies the picture with, (n, h, w, 3)."""
+        return self.once("quotients", self._quotients)[weight]
 
     def weighed(self, weight: Weight) -> Truth:
         """The picture with f cos times a weight of n.wi (m,) and of what is hit. A pixel's centre
         does not tell what is at an outline."""
-        copies = self.copies()
-        q = self._quotient(weight)[:len(copies)]
-        return self.truth(copies * q, self.outlines)
+        return self.truth(self.copies() * self.quotient(weight), self.outlines)
 
 
-def _quotient(stage: Any, light: Optional[Envmap], weight: Weight, seed: int) -> Doubles:
-    """How the weight changes the radiance (GROUPS, 3) at a stage's point: pseudo-values of a
-    jackknife. The light has the colours of its map, if that is known."""
-    rays = stage.rays(runs=GROUPS, seed=seed, integrator="em", samples=RAYS // GROUPS)
+Make = Callable[[Studio], Optional[Truth]]
+
+
+def _quotients(stage: Any, light: Optional[Envmap], weights: list[Weight], n: int,
+               drawn: Any) -> Doubles:
+    """How each weight changes the radiance (weights, n, 3) at a stage's point: pseudo-values of a
+    jackknife over n groups of rays. The light has the colours of its map, if that is known."""
     hit = stage.about()["hit"]
-    look = stage.look(rays.wi)
-    part = np.divide(look.product * rays.seen, look.q_map, out=np.zeros(len(rays.wi)),
+    look = stage.look(drawn.wi)
+    part = np.divide(look.product * drawn.seen, look.q_map, out=np.zeros(len(drawn.wi)),
                      where=look.q_map > 0)
     colours = np.ones((len(part), 3))
     if light is not None:
-        theta, phi = stage.angles(rays.wi).T  # in degrees
+        theta, phi = stage.angles(drawn.wi).T  # in degrees
         h, w = light.shape
         row, column = (theta / 180 * h).astype(int), (phi / 360 * w).astype(int)
         Le = light.pixels[np.minimum(row, h - 1), column % w].astype(float)
         colours = Le / np.maximum(Le.sum(1, keepdims=True), 1e-300)
-    part = part[:, None] * colours
-    other = part * weight(rays.wi.astype(float) @ np.array(hit["normal"]), hit)[:, None]
-    sums = np.zeros((2, GROUPS, 3))
-    np.add.at(sums, (np.s_[:], rays.sample), np.stack([part, other]))
+    cos = drawn.wi.astype(float) @ np.array(hit["normal"])
+    factors = [np.ones(len(cos)), *(weight(cos, hit) for weight in weights)]
+    sums = np.zeros((len(factors), n, 3))
+    np.add.at(sums, (np.s_[:], drawn.sample),
+              np.array(factors)[:, :, None] * (part[:, None] * colours))
     total = sums.sum(1, keepdims=True)
     without = total - sums
     if not (without[0] > 0).all():
-        return np.ones((GROUPS, 3))
-    return GROUPS * total[1] / total[0] - (GROUPS - 1) * without[1] / without[0]
+        return np.ones((len(weights), n, 3))
+    return n * total[1:] / total[0] - (n - 1) * without[1:] / without[0]
 
 
 # ---- maps ----
@@ -215,12 +237,38 @@ def _sines(m: Floats) -> Doubles:
     return np.sin((np.arange(len(m)) + 0.5) * np.pi / len(m))[:, None, None]
 
 
-def _moved(m: Floats, x: int, y: int) -> Floats:
-    """Moved by halves of a texel to the right and down; the rim's row is repeated."""
-    fine = np.roll(m.repeat(2, 0).repeat(2, 1), x, 1)
-    if y:
-        fine = np.concatenate([fine[:1], fine[:-1]] if y > 0 else [fine[1:], fine[-1:]])
-    return fine
+def _seen(m: Floats, rows: int, columns: int, where: Callable[..., Any]) -> Floats:
+    """A map of so many rows and columns for each of m, which shows what m has elsewhere: `where`
+    gives the place (y, x) in pixels of m for one of the new map."""
+    y, x = np.indices((rows * len(m), columns * m.shape[1]))
+    y, x = where((y + 0.5) / rows, (x + 0.5) / columns)
+    row = np.clip(np.floor(y).astype(int), 0, len(m) - 1)
+    return m[row, np.floor(x).astype(int) % m.shape[1]]
+
+
+def _moved(m: Floats, x: float, y: float) -> Floats:
+    """Moved by texels to the right and down; the rim's row is repeated."""
+    return _seen(m, 2, 2, lambda row, column: (row - y, column - x))
+
+
+def _turned(m: Floats, share: float) -> Floats:
+    """Turned by a share of 360 degrees, to a half of 1/TURNS."""
+    move = round(share * TURNS) / TURNS * m.shape[1]
+    return _seen(m, 1, 1 if move % 1 == 0 else max(TURNS // m.shape[1], 1),
+                 lambda row, column: (row, column - move))
+
+
+def _z_up(m: Floats, sign: int) -> Floats:
+    """A map whose y was taken for z, or the other way round."""
+    h, w = m.shape[:2]
+
+    def where(row: Doubles, column: Doubles) -> Any:
+        theta, phi = row * np.pi / h, column * 2 * np.pi / w
+        x, y, z = np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)
+        return (np.arccos(np.clip(sign * y, -1, 1)) * h / np.pi,
+                np.arctan2(-sign * z, x) * w / (2 * np.pi))
+    fine = max(512 // h, 1)
+    return _seen(m, fine, fine, where)
 
 
 def _bilinear(m: Floats) -> Floats:
@@ -236,13 +284,6 @@ def _bilinear(m: Floats) -> Floats:
     return np.ascontiguousarray(rows[top] * (1 - fy) + rows[low] * fy, np.float32)
 
 
-def _turned(m: Floats, share: float) -> Floats:
-    """Turned by a share of 360 degrees, to a half of 1/TURNS, by finer columns where m needs it."""
-    if share * m.shape[1] % 1:
-        m = m.repeat(max(TURNS // m.shape[1], 1), 1)
-    return np.roll(m, round(share * m.shape[1]), 1)
-
-
 def _cut(m: Floats, keep: Any) -> Floats:
     out = np.zeros_like(m)
     out[keep] = m[keep]
@@ -253,20 +294,6 @@ def _encoded(v: Any) -> Doubles:
     """Linear values as sRGB's, without an upper end."""
     v = np.maximum(np.asarray(v, np.float64), 0)
     return np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
-
-
-def _z_up(m: Floats, sign: int) -> Floats:
-    """A map whose y was taken for z, or the other way round."""
-    fine = m.repeat(max(1024 // len(m), 1), 0).repeat(max(1024 // len(m), 1), 1)
-    h, w = fine.shape[:2]
-    theta = (np.arange(h) + 0.5) * np.pi / h
-    phi = (np.arange(w) + 0.5) * 2 * np.pi / w
-    x, y = np.sin(theta)[:, None] * np.cos(phi), np.sin(theta)[:, None] * np.sin(phi)
-    z = np.broadcast_to(np.cos(theta)[:, None], (h, w))
-    y, z = -sign * z, sign * y
-    row = np.minimum(np.arccos(np.clip(z, -1, 1)) * h / np.pi, h - 1).astype(int)
-    column = (np.arctan2(y, x) % (2 * np.pi) * w / (2 * np.pi)).astype(int) % w
-    return fine[row, column]
 
 
 MAPS: dict[str, Callable[[Floats], Any]] = {
@@ -281,10 +308,10 @@ MAPS: dict[str, Callable[[Floats], Any]] = {
     "the map upside down and mirrored": lambda m: m[::-1, ::-1],
     "y of the map taken for z": lambda m: _z_up(m, 1),
     "z of the map taken for y": lambda m: _z_up(m, -1),
-    "the map half a texel to the right": lambda m: _moved(m, 1, 0),
-    "the map half a texel to the left": lambda m: _moved(m, -1, 0),
-    "the map half a texel down": lambda m: _moved(m, 0, 1),
-    "the map half a texel up": lambda m: _moved(m, 0, -1),
+    "the map half a texel to the right": lambda m: _moved(m, 0.5, 0),
+    "the map half a texel to the left": lambda m: _moved(m, -0.5, 0),
+    "the map half a texel down": lambda m: _moved(m, 0, 0.5),
+    "the map half a texel up": lambda m: _moved(m, 0, -0.5),
     "the rows at the poles missing": lambda m: _cut(m, np.s_[1:-1]),
     "the last column missing (the seam)": lambda m: _cut(m, np.s_[:, :-1]),
     "sin(theta) missing in the density (1/sin too much light)": lambda m: m / _sines(m),
@@ -300,6 +327,7 @@ CHANNELS = {"red and blue": [2, 1, 0], "red and green": [1, 0, 2], "green and bl
 
 # ---- factors ----
 
+FACTOR, ON_SURFACES = "factor", ", on surfaces"
 ANY_FACTOR = "the light times "  #: without a reason, it may stand for what dims all by chance
 
 FACTORS = {
@@ -396,48 +424,35 @@ CURVES: dict[str, Callable[[Doubles], Doubles]] = {
 
 # ---- which of them ----
 
-Make = Callable[[], Optional[Truth]]
+def _of_picture(change: Callable[[Doubles], Doubles]) -> Make:
+    return lambda s: s.truth(change(s.copies()))
 
 
-FACTOR, ON_SURFACES = "factor", ", on surfaces"
+def _of_map(change: Callable[[Floats], Any]) -> Make:
+    return lambda s: s.under(change)
 
 
-def _all(studio: Studio) -> Iterator[tuple[str, Make]]:
-    """Names of causes, and what makes their pictures at the studio's number of samples."""
-    def of_picture(change: Callable[[Doubles], Doubles]) -> Make:
-        return lambda: studio.truth(change(studio.copies()))
-
-    def flipped(at: Any) -> Make:
-        return lambda: studio.truth(studio.copies()[(np.s_[:],) + at], studio.outlines[at])
-
-    yield FACTOR, studio.right
-    if (studio.alpha < 1).any():
-        yield FACTOR + ON_SURFACES, studio.right
-    for name, curve in CURVES.items():
-        yield name, of_picture(curve)
-    yield "shadows missing", lambda: studio.truth(np.where(
-        studio.alpha[..., None] > 0, studio.copies(layer="unoccluded"), studio.copies()))
-    yield "surfaces black (as by normals that point inwards)", lambda: studio.truth(
-        studio.copies() * (1 - studio.alpha[..., None]), studio.outlines)
-    yield "the film mirrored", flipped(np.s_[:, ::-1])
-    yield "the film upside down", flipped((np.s_[::-1],))
-    for name, order in CHANNELS.items():
-        yield name + " exchanged in the picture", of_picture(lambda c, o=order: c[..., o])
-    for name, text in TEXTS.items():
-        yield name, lambda t=text: studio.edited(t)
-    for name, weight in WEIGHTS.items():
-        yield name, lambda w=weight: studio.weighed(w)
-    if studio.map is not None:
-        maps = dict(MAPS)
-        for name, order in CHANNELS.items():
-            maps[name + " exchanged in the map"] = lambda m, o=order: m[..., o]
-        for name, change in maps.items():
-            yield name, lambda c=change: studio.under(c)
-    if studio.step == 1:
-        for name, (y, x) in FILMS.items():
-            yield name, lambda y=y, x=x: studio.filtered(np.ones(FINE) / FINE, y, x)
-        for name, taps in FILTERS.items():
-            yield name, lambda t=taps: studio.filtered(t)
+CAUSES: dict[str, Make] = {
+    FACTOR: Studio.right,
+    FACTOR + ON_SURFACES: lambda s: s.right() if (s.alpha < 1).any() else None,
+    **{name: _of_picture(curve) for name, curve in CURVES.items()},
+    "shadows missing": lambda s: s.truth(np.where(
+        s.alpha[..., None] > 0, s.copies("unoccluded"), s.copies())),
+    "surfaces black (as by normals that point inwards)": lambda s: s.truth(
+        s.copies() * (1 - s.alpha[..., None]), s.outlines),
+    "the film mirrored": lambda s: s.flipped(np.s_[:, ::-1]),
+    "the film upside down": lambda s: s.flipped((np.s_[::-1],)),
+    **{name + " exchanged in the picture": _of_picture(lambda c, o=order: c[..., o])
+       for name, order in CHANNELS.items()},
+    **{name: lambda s, t=text: s.edited(t) for name, text in TEXTS.items()},
+    **{name: lambda s, w=weight: s.weighed(w) for name, weight in WEIGHTS.items()},
+    **{name: _of_map(change) for name, change in MAPS.items()},
+    **{name + " exchanged in the map": _of_map(lambda m, o=order: m[..., o])
+       for name, order in CHANNELS.items()},
+    **{name: lambda s, y=y, x=x: s.filtered(np.ones(FINE) / FINE, y, x)
+       for name, (y, x) in FILMS.items()},
+    **{name: lambda s, t=taps: s.filtered(t) for name, taps in FILTERS.items()},
+}
 
 
 def _far(verdict: Verdict) -> float:
@@ -447,8 +462,9 @@ def _far(verdict: Verdict) -> float:
 
 def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
          rounding: float) -> Optional[Found]:
-    """Hold a cause against the picture, at a studio's level."""
-    truth = make()
+    """Hold a cause against the picture, at a studio's level. None: the scene cannot have it."""
+    truth = studio.once(make, lambda: make(studio))
+    key = name
     if truth is None:
         return None
     if name.startswith(FACTOR):
@@ -457,66 +473,108 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
             fixed = truth.mean * (1 - studio.alpha[..., None])
         said, truth = _factor(theirs, truth, fixed)
         name = name.replace(FACTOR, said)
-    return Found(name, judge(theirs, truth, rounding), truth)
+    return Found(name, judge(theirs, truth, rounding), truth, key, make)
 
 
-def _fitted(studio: Studio, theirs: Doubles, coarse: Doubles, finest: float,
-            change: Callable[[Floats, float], Any]) -> float:
-    """The number with which a change of the map fits best: the best of the coarse ones, and then by
-    halves of their step down to the finest."""
-    def far(value: float) -> float:
-        return _far(judge(theirs, studio.under(lambda m: change(m, value))))
-    studio.at(LEVELS[0])
-    best = min(coarse, key=far)
+def _cut_off(m: Floats, power: float) -> Floats:
+    return np.minimum(m, 2.0 ** power)
+
+
+NUMBERS: dict[str, Callable[[Floats, float], Any]] = {
+    "the map turned by %.4g degrees": _turned,
+    "the map mirrored and turned by %.4g degrees": lambda m, v: _turned(m[:, ::-1], v),
+    "the map cut off at %.3g": _cut_off}
+
+
+def _fitted(studio: Studio, theirs: Doubles, name: str, coarse: Sequence[float]) -> float:
+    """The number with which a change of the map fits best: the best of the coarse ones, then by
+    halves of their step, last by least squares on the line between its neighbours. One copy is
+    enough for this, as whether the number fits is tested later."""
     studio.at(LEVELS[1])
-    least, step = far(best), abs(coarse[1] - coarse[0]) / 2
-    while step >= finest:
-        least, best = min((least, best), *((far(v), v) for v in (best - step, best + step)))
+    right = studio.right()
+    x = tile_means(right, theirs)
+    weight = 1 / (x + x.mean()) ** 2
+
+    def off(value: float) -> Doubles:
+        return studio.once((name, value), lambda: tile_means(
+            right, studio.under(lambda m: NUMBERS[name](m, value)).copies)) - x
+
+    def far(value: float) -> float:
+        return float(np.sum(weight * off(value) ** 2))
+    step = abs(coarse[1] - coarse[0])
+    studio.at((1, 2))
+    best = min(coarse, key=far)
+    studio.at((1, 8))
+    for _ in range(4):
         step /= 2
-    return float(best)
+        best = min((best, best - step, best + step), key=far)
+    slope = off(best + step) - off(best - step)
+    power = float(np.sum(weight * slope ** 2))
+    move = -2 * float(np.sum(weight * slope * off(best))) / power if power > 0 else 0.0
+    return best + step * min(max(move, -1), 1)
 
 
-def _of_a_number(studio: Studio, theirs: Doubles) -> Iterator[tuple[str, Make]]:
-    """Causes with a number that no list holds: a turn, a value at which the map is cut off."""
-    for mirrored, mirror in (("", 1), ("mirrored and ", -1)):
-        turn = _fitted(studio, theirs, np.arange(32) / 32, 1 / TURNS,
-                       lambda m, v: _turned(m[:, ::mirror], v))
-        yield ("the map %sturned by %.4g degrees" % (mirrored, 360 * (turn - round(turn))),
-               lambda: studio.under(lambda m: _turned(m[:, ::mirror], turn)))
+def _of_numbers(studio: Studio, theirs: Doubles, names: Iterable[str]) -> dict[str, Make]:
+    """Causes with a number that no list holds. A cut is tried where it is printed, because a camera
+    that sees the map would tell 7.503 from 7.5."""
+    causes: dict[str, Make] = {}
     most = math.log2(studio.map.pixels.max())
-    end = 2 ** _fitted(studio, theirs, most - np.arange(1, 9), 1 / 256,
-                       lambda m, v: np.minimum(m, 2 ** v))
-    yield "the map cut off at %.4g" % end, lambda: studio.under(lambda m: np.minimum(m, end))
+    for name in names:
+        change = NUMBERS[name]
+        if change is _cut_off:
+            v = _fitted(studio, theirs, name, [most - i for i in range(1, 9)])
+            name = name % 2 ** v
+            v = math.log2(float(name.split()[-1]))
+        else:
+            v = _fitted(studio, theirs, name, [i / 32 for i in range(32)])
+            name = name % (360 * (v - round(v)))
+            if abs(4 * v - round(4 * v)) < 4 / TURNS:
+                continue  # quarters are in the list
+        causes[name] = _of_map(lambda m, f=change, v=v: f(m, v))
+    return causes
 
 
-def _refined(studio: Studio, open_: list[tuple[str, Make]], theirs: Doubles, noise: float,
+def _open_numbers(found: list[Found]) -> list[str]:
+    """Which numbers have to be fitted: all if nothing fits; else those by which the causes that fit
+    have a twin under some maps."""
+    fits = " ".join(f.name for f in found if f.verdict.is_right)
+    turned, mirrored, cut = NUMBERS
+    if not fits:
+        return [turned, mirrored, cut]
+    return ([turned] * ("map mirrored" in fits) + [mirrored] * ("map turned" in fits)
+            + [cut] * ("the light" in fits))
+
+
+def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: float,
              rounding: float) -> list[Found]:
     """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
-    for level in LEVELS:
+    enough = SMALL * max(noise, rounding)
+    for level in LEVELS[:-1]:
+        if not causes:
+            break
         studio.at(level)
-        left = []
-        for name, make in open_:
+        left = {}
+        for name, make in causes.items():
             one = _try(studio, name, make, theirs, rounding)
             if one is None:
                 continue
-            if one.verdict.p < REJECTED or one.verdict.own < SMALL * noise or level == LEVELS[-1]:
+            if one.verdict.p < REJECTED or one.verdict.own < enough or level == LEVELS[-2]:
                 found.append(one)
             else:
-                left.append((name, make))
-        open_ = left
+                left[name] = make
+        causes = left
     return found
 
 
 def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUNDING,
-           among: Optional[set[str]] = None) -> list[Found]:
-    """Hold all causes, or those among some names and factors, against pictures (k, h, w, 3) that
-    are wrong, whose tiles have a noise (a share of the mean). The one that fits best comes first.
-    If none of all fits, those of any number are tried."""
-    open_ = [(name, make) for name, make in _all(studio)
-             if among is None or name in among or name.startswith(FACTOR)]
-    found = _refined(studio, open_, theirs, noise, rounding)
-    if among is None and studio.map is not None and all(f.verdict.p < SURE for f in found):
-        for one in _of_a_number(studio, theirs):
-            found += _refined(studio, [one], theirs, noise, rounding)
-    return sorted(found, key=lambda f: (-f.verdict.p, _far(f.verdict)))
+           causes: Optional[dict[str, Make]] = None) -> list[Found]:
+    """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong, whose tiles have a
+    noise (a share of the mean). The one that fits best comes first."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a half of a map may be black
+        found = _refined(studio, causes or CAUSES, theirs, noise, rounding)
+        if causes is None and studio.map is not None:
+            more = _of_numbers(studio, theirs, _open_numbers(found))
+            found += _refined(studio, more, theirs, noise, rounding)
+    return sorted(found, key=lambda f: (-max(f.verdict.p, REJECTED), _far(f.verdict)))

@@ -20,16 +20,6 @@ PBRT = ('Sampler "independent" "integer pixelsamples" 1024\n'
 _PAGE = os.path.join(os.path.dirname(__file__), "kit.md")
 
 
-class Lamp(NamedTuple):
-    """Cells of a map with one radiance, from the first row and column to the last."""
-
-    top: int
-    bottom: int
-    left: int
-    right: int
-    radiance: list[float]
-
-
 class Shape(NamedTuple):
     """A sphere about its only point, `size` its radius; or flat triangles over its points, `size`
     three of their numbers for each triangle."""
@@ -72,10 +62,7 @@ def _tables() -> dict[str, list[list[str]]]:
 
 
 _TABLES = _tables()
-MAPS: dict[str, list[Lamp]] = {}
 SHAPES: dict[str, list[Shape]] = {}
-for _name, *_cells, _radiance in _TABLES["map"]:
-    MAPS.setdefault(_name, []).append(Lamp(*map(int, _cells), *_numbers(_radiance)))
 for _name, _slot, _kind, _points, _size in _TABLES["shapes"]:
     SHAPES.setdefault(_name, []).append(
         Shape(int(_slot), _kind, _numbers(_points), _numbers(_size)))
@@ -85,11 +72,6 @@ SCENES = {name: Row(shapes, map_, materials.split(), *_numbers(eye), *_numbers(l
                     about_)
           for name, shapes, map_, materials, eye, look, fov, about_ in _TABLES["scene"]}
 NAMES = tuple(SCENES)
-
-
-def about(name: str) -> str:
-    """What the scene shows and which mistakes it is for, in a sentence."""
-    return SCENES[name].about
 
 
 def is_phong(name: str) -> bool:
@@ -106,8 +88,9 @@ def light(name: str) -> NDArray[np.float32]:
         Row 0 is at +z; columns run from +x to +y.
     """
     cells = np.zeros((ROWS, COLUMNS, 3), np.float32)
-    for lamp in MAPS[SCENES[name].map]:
-        cells[lamp.top:lamp.bottom + 1, lamp.left:lamp.right + 1] = lamp.radiance
+    for map, top, bottom, left, right, radiance in _TABLES["map"]:
+        if map == SCENES[name].map:
+            cells[int(top):int(bottom) + 1, int(left):int(right) + 1] = _numbers(radiance)[0]
     return cells.repeat(TEXELS, 0).repeat(TEXELS, 1)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, Callable, Sequence
 
 import numpy as np
@@ -16,8 +17,8 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, SMALL, SURE, Found, Studio,
-                     search)
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, REJECTED, SMALL, Convention,
+                     Found, Studio, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 NEAREST = 6  #: causes that are tried by other conventions if none fits by the first
@@ -41,19 +42,21 @@ class Case:
 
     @property
     def named(self) -> list[Found]:
-        """The causes that nothing speaks against, if one fits."""
-        if not self.causes or self.causes[0].verdict.p < SURE:
-            return []
-        return [f for f in self.causes if f.verdict.p >= WRONG]
+        """The causes that nothing speaks against; mere factors, which may be what is left of
+        another mistake, last."""
+        return sorted((f for f in self.causes if f.verdict.is_right),
+                      key=lambda f: f.name.startswith(ANY_FACTOR))
+
+    @property
+    def is_told(self) -> bool:
+        """Whether a cause is named that is no mere factor."""
+        return bool(self.named) and not self.named[0].name.startswith(ANY_FACTOR)
 
     @property
     def is_sure(self) -> bool:
-        """Whether one cause is named, or several that make one picture. A factor that is no known
-        one may be what is left of another mistake."""
-        best = self.named[:1]
-        if not best or best[0].name.startswith(ANY_FACTOR):
-            return False
-        return all(judge(best[0].truth.copies, f.truth).is_right for f in self.named[1:])
+        """Whether one cause is told, or several that make one picture."""
+        return self.is_told and all(judge(self.named[0].truth.copies, f.truth).is_right
+                                    for f in self.named[1:])
 
 
 # ---- files ----
@@ -97,29 +100,33 @@ def _stack(paths: list[str], size: tuple[int, int], say: Say) -> tuple[Doubles, 
 
 # ---- verdicts ----
 
-def _truth(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Verdict]:
+def truth_for(studio: Studio, theirs: Doubles, rounding: float) -> tuple[Truth, Verdict]:
     """The right picture, as exact as the noise of theirs asks for."""
     for level in LEVELS[1:]:
         studio.at(level)
         truth = studio.right()
         verdict = judge(theirs, truth, rounding)
-        if verdict.own < SMALL * verdict.noise:
+        if verdict.own < SMALL * max(verdict.noise, rounding) or verdict.p < REJECTED:
             break
     return truth, verdict
 
 
-def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say) -> Case:
-    """Judge pictures. `made` makes a studio of a step and a convention."""
+#: Makes a studio by a step and a convention, each once.
+Studios = Callable[[int, Convention], Studio]
+
+
+def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
+           made: Studios) -> Case:
+    """Judge pictures (k, h, w, 3) with these names, and look for the cause of a wrong one."""
     studio = made(1, CONVENTIONS[0])
-    theirs, rounding = _stack(pictures, studio.alpha.shape, say)
-    case = Case(name, pictures, theirs, *_truth(studio, theirs, rounding))
+    case = Case(name, pictures, theirs, *truth_for(studio, theirs, rounding))
     if case.verdict.is_right:
         return case
     facets = any('"%s"' % word in studio.text for word in FACETS)
     likes = [like for like in CONVENTIONS if (facets or not like.is_separable)
              and (studio.map is not None or not like.is_bilinear)]
     for like in likes[1:]:
-        other = Case(name, pictures, theirs, *_truth(made(1, like), theirs, rounding), like.name)
+        other = Case(name, pictures, theirs, *truth_for(made(1, like), theirs, rounding), like.name)
         if other.verdict.is_right:
             return other
     step = max(math.ceil(math.sqrt(studio.alpha.size / MOST)), 1)
@@ -127,29 +134,37 @@ def _case(name: str, pictures: list[str], made: Callable[..., Studio], say: Say)
     for like in likes:
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
-        near = {f.name for f in case.causes[:NEAREST]} or None
-        case.causes = search(studio, thin, case.verdict.noise, rounding, near) or case.causes
-        if case.named:
+        near = {f.key: f.make for f in case.causes[:NEAREST]}
+        before = case.causes
+        case.causes = search(studio, thin, case.verdict.noise, rounding, near or None)
+        if case.is_told:
             break
+        if before and not case.named:
+            case.causes = before
     if case.named and case.named[0].name in CURVES:
         case.refusal = "the picture holds %s: write linear light" % case.named[0].name
     return case
 
 
-def of_kit(name: str, pictures: list[str], say: Say) -> Case:
-    """Judge pictures of a scene of the kit."""
+def studios_of_kit(name: str) -> Studios:
+    """Studios of a scene of the kit."""
     light = Envmap(kit.light(name))
-    return _case(name, pictures, lambda step, like: Studio(kit.text(name), light, light, step,
-                                                           like), say)
+    return lru_cache(None)(lambda step, like: Studio(kit.text(name), light, light, step, like))
 
 
-def of_scene(path: str, pictures: list[str], say: Say) -> Case:
-    """Judge pictures of a scene of the user's."""
+def _studios_of_scene(path: str) -> Studios:
     light = Scene(path).about()["light"]
     map_ = Envmap(light["file"]) if light["file"] else None
     if map_ is not None and map_.shape != (light["height"], light["width"]):
         map_ = None
-    return _case(path, pictures, lambda step, like: Studio(path, None, map_, step, like), say)
+    return lru_cache(None)(lambda step, like: Studio(path, None, map_, step, like))
+
+
+def case_of(scene: str, pictures: list[str], is_kit: bool, say: Say) -> Case:
+    """Judge files of a scene of the kit, or of the user's."""
+    made = studios_of_kit(scene) if is_kit else _studios_of_scene(scene)
+    theirs, rounding = _stack(pictures, made(1, CONVENTIONS[0]).alpha.shape, say)
+    return judged(scene, pictures, theirs, rounding, made)
 
 
 # ---- what is said ----
@@ -211,19 +226,14 @@ def data(case: Case) -> dict[str, Any]:
             "causes": [{"name": f.name, "p": f.verdict.p} for f in case.named]}
 
 
-def _picture_of_z(z: Doubles) -> Doubles:
-    """|z| from 0 to 8 in the colours of heat."""
-    return heat(np.minimum(np.abs(z), 8).ravel() / 8).reshape(z.shape + (3,))
-
-
 def write_page(path: str, cases: list[Case], said: str) -> None:
     """Write a page: of each scene theirs, ours, z, and the cause's picture."""
     shown = []
     for case in cases:
         ours = case.truth.mean.astype(np.float32)
-        ev = exposure_of(ours)
+        ev, z = exposure_of(ours), case.verdict.z
         pictures = {"theirs": page.png(case.theirs.mean(0), ev), "ours": page.png(ours, ev),
-                    "z": page.png(_picture_of_z(case.verdict.z), 0.0)}
+                    "z": page.png(heat(np.abs(z).ravel() / 8).reshape(z.shape + (3,)), 0.0)}
         if case.named:
             pictures["cause"] = page.png(case.named[0].truth.mean, ev)
         shown.append({**data(case), "verdict": _said(case), "shown": pictures,
@@ -247,5 +257,5 @@ def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
         save_image(os.path.join(place, name + "-stderr.exr"), error)
         lines.append("%-16s %.2g %% a pixel. %s\n"
                      % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
-                        kit.about(name)))
+                        kit.SCENES[name].about))
     return "".join(lines)

@@ -44,6 +44,7 @@ class Truth(NamedTuple):
     outlines: Flags  #: (h, w)
     background: Flags  #: (h, w)
     unknown: Any = False  #: pixels (h, w) of which nothing is said
+    spread: float = 1.0  #: of a tile's variance over that of independent pixels, by a wide filter
 
     @property
     def mean(self) -> Doubles:
@@ -125,6 +126,7 @@ class _Tiles:
         self.n = int(enough.sum())
         self.count = count[enough][:, None]  #: pixels, (n, 1)
         self.of = number[place]  #: (h, w): the tile, or -1
+        self.spread = truth.spread  #: at most
 
     def sums(self, values: Doubles, of: NDArray[np.int64]) -> Doubles:
         """Sums over tiles (n, 3) of values (h, w, 3), with the tile of each pixel."""
@@ -137,8 +139,15 @@ class _Tiles:
         return self.sums(values, self.of) / self.count
 
     def variance(self, copies: Doubles) -> Doubles:
-        """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter."""
-        return np.stack([self.means(one) for one in copies]).var(0, ddof=1) / len(copies)
+        """The variance (n, 3) of the mean of copies (k, h, w, 3), by their scatter. A few may agree
+        by chance, so for them it is no less than its mean over all tiles, as a share, and is known
+        as well as by MANY."""
+        each = np.stack([self.means(one) for one in copies])
+        own = each.var(0, ddof=1) / len(copies)
+        if len(copies) < MANY:
+            square = each.mean(0) ** 2
+            own = np.maximum(own, square * np.sum(own) / max(np.sum(square), 1e-300))
+        return own
 
     def noise(self, d: Doubles) -> tuple[Doubles, Doubles]:
         """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) show it, and
@@ -147,7 +156,11 @@ class _Tiles:
         if k >= MANY:
             return self.variance(d), np.full((self.n, 1), k - 1.0)
         if k > 1:
-            return self.means(d.var(0, ddof=1)) / self.count / k, self.count * (k - 1.0)
+            variance = self.means(d.var(0, ddof=1)) / self.count / k
+            if self.spread > 1 and (variance > 0).any():  # some pictures tell it
+                seen = np.mean(self.variance(d) / np.where(variance > 0, variance, np.inf))
+                self.spread = min(self.spread, max(float(seen), 1.0))
+            return self.spread * variance, self.count * (k - 1.0)
         total, fourth, pairs = (np.zeros((self.n, c)) for c in (3, 3, 1))
         for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
             same = np.where(self.of[a] == self.of[b], self.of[a], -1)
@@ -158,7 +171,7 @@ class _Tiles:
         # Two pairs a pixel, which share pixels, tell as much as 0.8 independent squares; less where
         # few pixels have most of the noise (the fourth moment of a normal number is 3).
         dof = np.minimum(1.2 * total ** 2 / np.maximum(fourth, 1e-300), 0.4 * pairs)
-        return total / pairs / self.count, np.maximum(dof, 1)
+        return self.spread * total / pairs / self.count, np.maximum(dof, 1)
 
     def skewness(self, d: Doubles) -> Doubles:
         """The skewness of the tiles' means (n, 3), from that of all pixels about their tiles'."""
@@ -170,6 +183,11 @@ class _Tiles:
         spread = np.sqrt(self.means(square))[of]
         u = np.divide(r, spread, out=np.zeros_like(r), where=spread > 0)
         return np.mean(u ** 3, axis=(0, 1)) / np.sqrt(self.count * len(d))
+
+
+def tile_means(truth: Truth, copies: Doubles) -> Doubles:
+    """Means of copies (k, h, w, 3) over the truth's tiles, (n, 3)."""
+    return _Tiles(truth).means(copies.mean(0))
 
 
 def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -> Flags:
@@ -212,17 +230,20 @@ def _slopes(mean: Doubles) -> list[Doubles]:
     return [(right - left) / 2, (down - up) / 2, left + right + up + down - 4 * mean]
 
 
-def _outlines_z(d: Doubles, truth: Truth) -> Doubles:
+def _outlines_z(d: Doubles, truth: Truth, spread: float) -> Doubles:
     """z of the sums over outlines of d times what a shift or a blur would be; none without them."""
     at = truth.outlines & np.logical_not(truth.unknown)
     z = []
     for slope in _slopes(truth.mean):
         u = np.sum(d[:, at] * slope[at], axis=-1)  # (k, pixels)
-        own = np.sum(truth.copies[:, at] * slope[at], axis=(1, 2)).var(ddof=1) / len(truth.copies)
+        each = np.sum(truth.copies[:, at] * slope[at], axis=-1)
+        own = each.sum(1).var(ddof=1) / len(each)
+        if len(each) < MANY:  # which may agree by chance
+            own = max(own, each.var(0, ddof=1).sum() / len(each))
         if len(d) >= MANY:
             variance, dof = u.sum(1).var(ddof=1) / len(d), len(d) - 1.0
         else:
-            variance, dof = np.sum(u.mean(0) ** 2), float(at.sum())
+            variance, dof = spread * np.sum(u.mean(0) ** 2), float(at.sum())
         if variance + own > 0:
             t = u.sum() / len(d) / math.sqrt(variance + own)
             z.append(float(student_z(np.float64(t), np.float64(dof))))
@@ -250,7 +271,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     free = np.broadcast_to(rounding * np.abs(ours).max(1, keepdims=True, initial=0), ours.shape)
     of_floats = (free / 10) ** 2  # what is beyond it is a mistake even where nothing is noisy
     each = np.stack([tiles.means(one) for one in d])
-    errors = [(noise, dof), (own, len(truth.copies) - 1.0), (of_floats, math.inf)]
+    errors = [(noise, dof), (own, max(len(truth.copies), MANY) - 1.0), (of_floats, math.inf)]
     total = noise + own + of_floats
     skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
     z = _welch(_beyond(each.mean(0), free, noise + own), errors, skewness)
@@ -272,7 +293,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
                     [(variance, freedom)])
     if mean_z.any():
         parts["mean"] = together(normal_p(mean_z[mean_z != 0]))
-    edge = _outlines_z(d, truth)
+    edge = _outlines_z(d, truth, tiles.spread)
     if len(edge):
         parts["outlines"] = together(normal_p(edge))
 
