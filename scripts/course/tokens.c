@@ -319,7 +319,7 @@ static bool fits(token *t, size_t n, const token *ours, size_t n_ours)
     return false;
 }
 
-/* What stands before an item of ours, as a macro without a semicolon, is theirs; a word of the language changes ours. */
+/* What stands before an item of ours, as a macro without a semicolon, is theirs; a word of C there changes ours. */
 bool tokens_compare(token_file *f, const token_file *template, unsigned *line)
 {
     const token_item *ours = template->items, *const end = ours + template->n_items;
