@@ -103,7 +103,7 @@ static bis_status make_picture(bis_flat_picture **out, bis_flat_scene *s, const 
     bis_film film = {0};
     bis_status status = bis_flat_wish(&d, w, settings, diag);
 
-    if (!status) status = bis_flat_scene_check(s, &d, diag);
+    if (!status) status = bis_flat_scene_check(s, &d, w, diag);
     if (!status) status = bis_flat_scene_light(&scene.light, s, &d, w, diag);
     if (status) return status;
     scene.desc = &d;

@@ -95,6 +95,25 @@ void bis_flat_scene_close(bis_flat_scene *scene)
     bis_free(scene);
 }
 
+/* ---- what changes from picture to picture ---- */
+
+bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, const bis_flat_wishes *w,
+                                bis_diag *diag)
+{
+    const bis_film_desc *own = &s->desc->view.film, *film = &d->view.film;
+
+    if (d->accel.kind != s->desc->accel.kind)
+        return bis_flat_refuse(diag, "the accelerator of an open scene is built: open it with another");
+    if (s->points && (film->width != own->width || film->height != own->height || w->step > 1 ||
+                      d->view.camera.points != s->points || memcmp(film->crop, own->crop, sizeof own->crop) != 0))
+        return bis_flat_refuse(diag, "points stand in the place of pixels: leave width, height, crop, step and camera "
+                               "out");
+    if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
+    return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the %s",
+                           d->view.camera.points ? "points: open the scene with accelerator=grid"
+                                                 : "camera: open the scene with this camera");
+}
+
 /* ---- points ---- */
 
 /* The first of n points that is none; n: all are. */
@@ -130,26 +149,19 @@ bis_status bis_do_scene_points(bis_flat_scene *scene, int width, int height, con
         bis_free(points);
         return bis_flat_refuse(diag, "point %zu: give finite numbers, and a normal that is not 0", bad);
     }
+    bis_scene_desc d = *scene->desc;
+    d.view.camera.points = points;
+    d.view.film = (bis_film_desc){width, height, {0, 1, 0, 1}, view->film.layers};
+    d.view.edge_samples = 1; /* neighbours on the film are none on a surface */
+    const bis_status status = bis_flat_scene_check(scene, &d, &(bis_flat_wishes){0}, diag);
+    if (status) {
+        bis_free(points);
+        return status;
+    }
+    scene->points = points;
     scene->view = *view;
-    view->camera.points = scene->points = points;
-    view->film = (bis_film_desc){width, height, {0, 1, 0, 1}, view->film.layers};
-    view->edge_samples = 1; /* neighbours on the film are none on a surface */
+    *view = d.view;
     return BIS_OK;
-}
-
-/* ---- what changes from picture to picture ---- */
-
-bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag)
-{
-    if (d->accel.kind != s->desc->accel.kind)
-        return bis_flat_refuse(diag, "the accelerator of an open scene is built: open it with another");
-    const bis_film_desc *own = &s->desc->view.film, *film = &d->view.film;
-
-    if (s->points && (film->width != own->width || film->height != own->height))
-        return bis_flat_refuse(diag, "points stand in the place of pixels: their picture has their size");
-    if (!s->is_kept || !s->scene->accel || bis_scene_accel_suits(s->scene, d)) return BIS_OK;
-    return bis_flat_refuse(diag, "the accelerator of this scene does not reach to the camera: open the scene with this "
-                           "camera");
 }
 
 /* Whether a map with the settings of a is that with the settings of b. */
@@ -251,7 +263,7 @@ bis_status bis_do_scene_coverage(bis_flat_scene *scene, const char *const *setti
 
     if (!(side >= 1 && side <= 64)) return bis_flat_refuse(diag, "side is %d: give 1 to 64", side);
     bis_status status = bis_flat_wish(&d, &w, settings, diag);
-    if (!status) status = bis_flat_scene_check(scene, &d, diag);
+    if (!status) status = bis_flat_scene_check(scene, &d, &w, diag);
     if (status) return status;
     const bis_film film = bis_film_place(d.view.film.width, d.view.film.height, d.view.film.crop, 1);
     for (int i = 0; i < film.width * film.height; i++)

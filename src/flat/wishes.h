@@ -59,7 +59,8 @@ bis_status bis_flat_scene_begin(bis_flat_scene *s, const char *path, const char 
 void bis_flat_scene_end(bis_flat_scene *s);
 
 /* bis_flat_scene_check refuses what a scene that is built can no longer become. Errors: BIS_INPUT. */
-bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, bis_diag *diag);
+bis_status bis_flat_scene_check(const bis_flat_scene *s, const bis_scene_desc *d, const bis_flat_wishes *w,
+                                bis_diag *diag);
 
 /* bis_flat_scene_given builds the light w->light, for these needs, and makes it that of d. The caller frees it. Errors:
  * those of bis_light_load. */

@@ -28,9 +28,10 @@ FRAMES = {
     "unity": ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
 }
 NODES = 3  #: of Gauss and Legendre in a row, at least
+SMALL = 16  #: rows or columns: where there are fewer, more nodes
 LATITUDES = 1024  #: of the whole map, at least: where a horizon begins, the integrand has a bend
 NORMALS = 1000  #: over which the error of harmonics is told
-CELLS = 1 << 20  #: latitudes times normals at once
+CELLS = 1 << 20  #: latitudes times normals at once, and pixels
 WIDEST = 1024  #: columns that the error of harmonics needs: E hardly sees a texel
 
 _BANDS = np.repeat((0, 1, 2), (1, 3, 5))
@@ -73,12 +74,9 @@ class _Circles:
         return self.before[row, k] + inside + turns[..., None, None] * self.before[row, -1]
 
 
-def arriving(pixels: Doubles, normals: Doubles) -> Doubles:
-    """The irradiance from pixels (h, w, colours) at unit normals (n, 3): (n, colours)."""
-    height = len(pixels)
-    nodes = max(NODES, -(-LATITUDES // height))
-    theta, weight = (a.ravel() for a in _latitudes(height, nodes))
-    row = np.repeat(np.arange(height), nodes)
+def _from_rows(pixels: Doubles, theta: Doubles, weight: Doubles, normals: Doubles) -> Doubles:
+    """What arrives from rows, of which each has so many of the latitudes theta."""
+    row = np.repeat(np.arange(len(pixels)), len(theta) // len(pixels))
     circles = _Circles(pixels)
     sin, cos = np.sin(theta), np.cos(theta)
     E = np.empty((len(normals), pixels.shape[2]))
@@ -96,20 +94,33 @@ def arriving(pixels: Doubles, normals: Doubles) -> Doubles:
     return E
 
 
+def arriving(pixels: NDArray[Any], normals: Doubles) -> Doubles:
+    """The irradiance from pixels (h, w, colours) at unit normals (n, 3): (n, colours)."""
+    height, width, colours = pixels.shape
+    theta, weight = _latitudes(height, max(NODES, -(-LATITUDES // height)))
+    E = np.zeros((len(normals), colours))
+    rows = max(CELLS // width, 1)
+    for y in range(0, height, rows):
+        some = slice(y, y + rows)
+        E += _from_rows(pixels[some].astype(np.float64), theta[some].ravel(), weight[some].ravel(),
+                        normals)
+    return E
+
+
 def irradiance(light: Envmap, normals: ArrayLike) -> Doubles:
     """See `Envmap.irradiance`."""
     n = array(normals, 3, np.float64, "normals")
     length = np.linalg.norm(n, axis=1, keepdims=True)
     if not ((length > 0) & np.isfinite(length)).all():
-        raise Error("normals holds one of length 0, or that is not finite: give directions")
-    return arriving(light.pixels.astype(np.float64), n / length)
+        raise Error("error: normals holds one of length 0, or that is not finite: give directions")
+    return arriving(light.pixels, n / length)
 
 
 def _moments(pixels: Doubles) -> Doubles:
     """The integrals of L v v^T for v = (1, x, y, z), (4, 4, colours): all polynomials of degree 2."""
     height, width = pixels.shape[:2]
-    theta, weight = _latitudes(height, NODES)
-    x, share = np.polynomial.legendre.leggauss(NODES)
+    theta, weight = _latitudes(height, NODES + SMALL // height)
+    x, share = np.polynomial.legendre.leggauss(NODES + SMALL // width)
     phi = (np.arange(width)[:, None] + (x + 1) / 2) * (2 * np.pi / width)
     sin, cos, one = np.sin(theta), np.cos(theta), np.ones_like(theta)
     along = np.stack((np.ones_like(phi), np.cos(phi), np.sin(phi)))  # of 1 and z, x, y
@@ -126,6 +137,7 @@ SQUARE = 64  #: pixels; points on a film lie in squares of this side, in each al
 BITS = 10  #: of a coordinate, along the curve
 #: What coordinates of six digits may be off, of the largest coordinate: so far points are lifted.
 LIFT = 2e-6
+DARK = 0.05  #: where less than this of the light arrives, intervals miss too often
 
 
 class Arriving(NamedTuple):
@@ -136,7 +148,8 @@ class Arriving(NamedTuple):
     E : array (n, 3)
         The integral of radiance times cosine times visibility.
     interval : array (n, 3)
-        The half-width of its 95 % interval; NaN where too little is known.
+        The half-width of its 95 % interval; NaN where less than 5 % of the light arrives, and
+        after one pass.
     stats : dict
         What `--stats` tells of the render.
     """
@@ -174,9 +187,15 @@ def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optiona
     p, n = (array(a, 3, np.float64, name) for a, name in ((points, "points"), (normals, "normals")))
     if p.shape != n.shape or not len(p):
         raise Error("%d points have %d normals: give one to each" % (len(p), len(n)))
-    length = np.linalg.norm(n, axis=1, keepdims=True)
     if lift is None:
-        lift = LIFT * float(abs(p).max())
+        lift = LIFT * float(abs(p[np.isfinite(p)]).max(initial=0))
+    with np.errstate(all="ignore"):
+        n = n / np.linalg.norm(n, axis=1, keepdims=True)
+        lifted = (p + n * lift).astype(np.float32)
+    bad = ~np.isfinite(lifted + n).all(1)
+    if bad.any():
+        raise Error("error: point %d: give finite numbers, and a normal that is not 0"
+                    % np.argmax(bad))
     order = _order(p, n)
     side = SQUARE
     while side > 1 and side * side >= 4 * len(p):
@@ -186,13 +205,12 @@ def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optiona
     y, x = k // (side * side) * side + _gathered(k % (side * side), 1), _gathered(k % (side * side), 0)
     place = np.empty((rows, side), np.intp)
     place[y, x] = order[np.minimum(k, len(p) - 1)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        lifted = p + n / length * lift
-    picture = scene._of_points(lifted[place].astype(np.float32), n[place].astype(np.float32), settings)
+    picture = scene._of_points(lifted[place], n[place].astype(np.float32), settings)
     E, interval = np.full((2, len(p), 3), np.nan)
     E[place] = np.pi * picture.rgb
     if "interval" in picture.layers:  # one pass tells none
-        interval[place] = np.pi * picture.layers["interval"]
+        dark = picture.rgb.sum(2) < DARK * picture.layers["unoccluded"].sum(2)
+        interval[place] = np.where(dark[..., None], np.nan, np.pi * picture.layers["interval"])
     return Arriving(E, interval, picture.stats)
 
 

@@ -397,7 +397,7 @@ class Scene(Handle):
     def _of_points(self, points: Floats, normals: Floats, settings: dict[str, Any]) -> Picture:
         """The picture in which points (h, w, 3) stand in the place of pixels."""
         height, width = points.shape[:2]
-        how = texts(_said(["interval"], None, None, None, settings))
+        how = texts(_said(["interval", "unoccluded"], None, None, None, settings))
         with self._busy:
             call(flat.scene_points, self._handle, width, height, points, normals)
             try:

@@ -103,8 +103,18 @@ class Planted(unittest.TestCase):
             words = " ".join(found(np.minimum(MAPS["outdoor"], most)))
             self.assertIn("cut off at %s%g: " % ("the ceiling " if most == 16 else "", most), words)
             self.assertIn("it is the sun, and 40 %", words)
-        # Lamps that were are no sun.
+        # Lamps that were are no sun, nor is one that lost only its tip.
         self.assertNotIn("sun", " ".join(found(np.minimum(exposed(MAPS["interior"]), 1))))
+        y, x = np.mgrid[:512, :1024]
+        lamp = 4140 * np.exp(-((y - 100) ** 2 + (x - 300.5) ** 2) / 150)[..., None] * np.ones(3)
+        grain = np.random.default_rng(3).random((512, 1024, 3)) * np.sin(np.pi * (y + 0.5) / 512)[..., None] ** 2
+        words = " ".join(found(np.minimum(lamp + 1 + grain / 10, 4096)))
+        self.assertIn("cut off at 4096", words)
+        self.assertNotIn("sun", words)
+
+    def test_few_pixels_tell_nothing(self):
+        for size in ((1, 128), (8, 16), (11, 22), (32, 64)):
+            self.assertEqual(found(np.random.default_rng(6).random(size + (3,))), [])
 
 
 def drawn(colour=0.1):

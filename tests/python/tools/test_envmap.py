@@ -277,6 +277,16 @@ class Command(unittest.TestCase):
             page = f.read()
         return page, json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL).group(1))
 
+    def test_light_that_does_not_arrive(self):
+        below = np.zeros((8, 16, 3), np.float32)
+        below[4:] = 1
+        self.save("below.pfm", below)
+        one = np.zeros((32, 64, 3), np.float32)
+        one[5, 5] = 1
+        self.save("one.pfm", one)
+        self.assertIn("E = 0 0 0: no light comes from above\nnine", self.run_it("{}/below.pfm")[0])
+        self.assertIn("% of the mean; there is some where no light arrives\n", self.run_it("{}/one.pfm")[0])
+
     def test_a_map_by_hand_has_the_report_by_hand(self):
         path = self.save("hand.pfm", BY_HAND)
         words, messages = self.run_it("{}/hand.pfm", "--levels", "4")
@@ -287,6 +297,7 @@ class Command(unittest.TestCase):
         self.assertIn("E = 1.571 0.7854 0.7854; exposure +1.6 EV", diagnosis)
         self.assertIn("suspicious  1 NaN, 2 infinite, 3 negative: these values count as 0\n", diagnosis)
         self.assertIn("{}/hand.pfm: warning: ", messages)
+        self.assertEqual(found["convention"], "bis")
         a = math.sqrt(3 / 8)
         self.assertEqual({k: found[k] for k in ("width", "height", "mapping", "power_before", "power_after")}, {
             "width": 4, "height": 2, "mapping": "latlong", "power_before": None, "power_after": None})

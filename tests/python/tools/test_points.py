@@ -45,7 +45,10 @@ class Command(unittest.TestCase):
         self.save("a.ply", head % "ascii" + tail + "".join(" ".join(map(str, r)) + "\n" for r in rows))
         for name, form, order in (("l.ply", "binary_little_endian", "<f4"), ("b.ply", "binary_big_endian", ">f4")):
             self.save(name, (head % form + tail).encode() + rows.astype(order).tobytes())
-        for name in ("p.csv", "p.npy", "a.ply", "l.ply", "b.ply"):
+        with open(os.path.join(self.folder, "a.ply"), "rb") as f:
+            self.save("windows.ply", f.read().replace(b"\n", b"\r\n"))
+        self.save("excel.csv", b"\xef\xbb\xbf" + b"0;0;2;0;0;1\r\n1.5;-2;.25;0;3;0\r\n")
+        for name in ("p.csv", "p.npy", "a.ply", "l.ply", "b.ply", "windows.ply", "excel.csv"):
             np.testing.assert_array_equal(irradiance.read_points(os.path.join(self.folder, name)), POINTS, name)
 
     def test_what_arrives_is_written(self):
@@ -65,12 +68,22 @@ class Command(unittest.TestCase):
         self.save("none.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")
         self.save("cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n" + "".join(
             "property double %s\n" % c for c in irradiance.COLUMNS) + "end_header\n12345678")
+        self.save("few.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + "".join(
+            "property float %s\n" % c for c in irradiance.COLUMNS) + "end_header\n0 0 2 0 0 1\n")
         self.save("empty.csv", "")
+        self.save("nan.csv", "nan,0,0,0,0,1\n0,0,2,0,0,1\n")
+        np.save(os.path.join(self.folder, "words.npy"), np.full((2, 6), "a"))
         for name, message in (("short.csv", ":2: error: give six numbers"), ("words.csv", ":3: error: give six"),
                               ("none.ply", "no normals"), ("cut.ply", "ends within its vertices"),
-                              ("empty.csv", "shape (0, 6)"), ("gone.csv", "cannot read")):
+                              ("empty.csv", "no points"), ("few.ply", "ends within"),
+                              ("nan.csv", "error: point 0: give finite"), ("words.npy", "words.npy: error: it holds"),
+                              ("gone.csv", "cannot read")):
             _, err = self.run_it("--points", "{}/" + name, "{}/scene.txt", status=1 if name == "gone.csv" else 2)
             self.assertIn(message, err)
+        gz = os.path.join(ROOT, "data/maps/clouds_verticalcross.hdr.gz")
+        self.run_it("--points", "{}/p.csv", gz, "--mapping", "verticalcross")
+        for words in ((gz, "--spp", "9"), ("{}/scene.txt", "--mapping", "angular")):
+            self.assertIn("leave it out", self.run_it("--points", "{}/p.csv", *words, status=2)[1])
         self.assertIn("--points is missing", self.run_it("{}/scene.txt", status=2)[1])
         _, err = self.run_it("--points", "{}/p.csv", "--out", "{}/p.csv", "{}/scene.txt", status=2)
         self.assertIn("would replace", err)

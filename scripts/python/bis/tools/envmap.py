@@ -80,13 +80,18 @@ def _vector(d: Direction) -> str:
 
 def _doctor_text(d: Diagnosis) -> str:
     h = d.harmonics
+    is_known = math.isfinite(h.of_itself[1])
+    rms, worst = h.of_itself if is_known else h.of_mean
     lines = [
         "\nfrom above  E = %.4g %.4g %.4g; exposure %+.1f EV makes a grey card that faces up middle "
-        "grey" % (*d.irradiance, d.exposure),
+        "grey" % (*d.irradiance, round(d.exposure, 1) + 0.0),
         "to 1 %%      of this E, nothing hidden: %s samples" % ", ".join(
-            "%.2g by %s" % (n, method) for method, n in d.samples.items()),
-        "nine SH     their irradiance is off by %.1f %% (rms), at worst %.0f %%" % (
-            100 * h.of_itself[0], 100 * h.of_itself[1])]
+            "%.2g by %s" % (n, method) for method, n in d.samples.items())]
+    if not d.irradiance.any():
+        lines = ["\nfrom above  E = 0 0 0: no light comes from above"]
+    lines.append("nine SH     their irradiance is off by %.1f %% (rms), at worst %.0f %%%s" % (
+        100 * rms, 100 * worst,
+        "" if is_known else " of the mean; there is some where no light arrives"))
     for lamp in d.lamps:
         where = lamp.direction
         lines.append("%-12s%5.2f%% of the power, %.3g sr, theta %.1f, phi %.1f   %s" % (
@@ -319,7 +324,7 @@ def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:
     _turn(s, d, o.convention)
     if out:
         _write_pictures(o, out, m)
-    data = report_data(source, s, light, d)
+    data = {**report_data(source, s, light, d), "convention": o.convention}
     words = report_text(source, s, light, d)
     if o.html:
         page.write(o.html, "envmap", {**data, **survey.page_data(s, m, o.samples)}, words)

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from .._errors import Error, Status
 from . import command, files
-from .command import COUNT, DONE, REAL, SHARE, Command, Heading, Option, Say
+from .command import COUNT, DONE, NAME, REAL, SHARE, Command, Heading, Option, Say
+from .envmap import MAPPINGS
 from .scenes import open_scene, telling
 
 if TYPE_CHECKING:  # they need numpy, and the help does not
@@ -30,6 +31,7 @@ COMMAND = Command(
         Option("lift", "D",
                "move points by D along their normals, off the surfaces they may lie on (2e-6 of "
                "the largest coordinate)", REAL, lo=0),
+        Option("mapping", "M", "of MAP, as `bis envmap` names them", NAME, names=MAPPINGS),
         Heading("how long"),
         Option("spp", "N", "samples of each point (16)", COUNT, lo=1, hi=2 ** 32 - 1),
         Option("error", "E", "go on until the relative RMSE over all points is at most E", SHARE,
@@ -56,7 +58,7 @@ def _table(lines: Sequence[str], path: str) -> Doubles:
     rows = []
     for k, line in enumerate(lines, 1):
         words = line.split("#")[0].replace(",", " ").replace(";", " ").split()
-        if not words or (k == 1 and not words[0].lstrip("+-.")[:1].isdigit()):
+        if not words or (k == 1 and all(w.strip('"')[:1].isalpha() for w in words)):
             continue
         try:
             rows.append([float(w) for w in words])
@@ -76,7 +78,8 @@ def _ply(data: bytes, path: str) -> Doubles:
     """The vertices of a PLY, which stand before its faces."""
     import numpy as np
 
-    head, found, body = data.partition(b"end_header\n")
+    head, found, body = data.partition(b"end_header")
+    body = body.partition(b"\n")[2]  # a line may end by \r\n
     words = [line.split() for line in head.decode("ascii", "replace").splitlines()]
     form = next((w[1] for w in words if w[:1] == ["format"] and len(w) > 1), "")
     elements = [k for k, w in enumerate(words) if w[:1] == ["element"]]
@@ -89,12 +92,13 @@ def _ply(data: bytes, path: str) -> Doubles:
         raise Error("%s: error: its vertices have no normals nx, ny, nz" % path)
     n = int(words[elements[0]][2])
     if form == "ascii":
-        lines = body.decode("ascii", "replace").splitlines()[:n]
-        columns = [names.index(c) for c in COLUMNS]
-        return _table([",".join(line.split()[k] for k in columns) for line in lines], path)
+        words = [line.split() for line in body.decode("ascii", "replace").splitlines()[:n]]
+        if len(words) < n or any(len(w) < len(names) for w in words):
+            raise Error("%s: error: it ends within its vertices" % path)
+        return np.array([[w[names.index(c)] for c in COLUMNS] for w in words], np.float64)
     order = ">" if form == "binary_big_endian" else "<"
     vertex = np.dtype([(name, order + _TYPES[w[1]]) for name, w in zip(names, own)])
-    if len(body) < n * vertex.itemsize:
+    if not 0 < n <= len(body) // vertex.itemsize:
         raise Error("%s: error: it ends within its vertices" % path)
     rows = np.frombuffer(body, vertex, n)
     return np.stack([rows[c].astype(np.float64) for c in COLUMNS], axis=1)
@@ -104,6 +108,8 @@ def read_points(path: str) -> Doubles:
     """The points (n, 6) of a file."""
     import numpy as np
 
+    from .._library import array
+
     try:
         with open(path, "rb") as f:
             data = f.read()
@@ -112,24 +118,30 @@ def read_points(path: str) -> Doubles:
         elif data[:3] == b"ply":
             points = _ply(data, path)
         else:
-            points = _table(data.decode("utf-8", "replace").splitlines(), path)
+            points = _table(data.decode("utf-8-sig", "replace").splitlines(), path)
+        points = array(points, 6, np.float64, path + ": error: it")
     except OSError as e:
         raise Error('error: cannot read "%s": %s' % (path, e.strerror), Status.IO) from None
-    except (ValueError, IndexError) as e:
+    except (ValueError, IndexError, EOFError) as e:
         raise Error("%s: error: %s" % (path, e)) from None
-    if points.ndim != 2 or points.shape[1] != 6 or not len(points):
-        raise Error("%s: error: it has the shape %s: give (n, 6)" % (path, points.shape))
-    return np.asarray(points, np.float64)
+    if not len(points):
+        raise Error("%s: error: it has no points: give x,y,z,nx,ny,nz in each line" % path)
+    return points
 
 
 def _measured(o: SimpleNamespace, operand: str, points: Doubles, say: Say) -> Any:
     """E and its interval (n, 6)."""
     import numpy as np
 
-    if operand.lower().endswith(MAPS):
+    is_map = operand.lower().removesuffix(".gz").endswith(MAPS)
+    for name in ("lift", "spp", "error", "seed") if is_map else ("mapping",):
+        if getattr(o, name) is not None:
+            raise Error("error: --%s belongs to a %s, and \"%s\" is none: leave it out" % (
+                name, "scene" if is_map else "map", operand))
+    if is_map:
         from .._sampling import Envmap
         with telling(say):
-            E = Envmap(operand, "cdf", 0).irradiance(points[:, 3:])
+            E = Envmap(operand, "cdf", 0, o.mapping).irradiance(points[:, 3:])
         return np.concatenate((E, np.zeros_like(E)), axis=1)
     how = {k: getattr(o, k) for k in ("spp", "error", "seed") if getattr(o, k) is not None}
     if "spp" not in how and "error" not in how:
