@@ -40,9 +40,8 @@ list_files() {
     : >"$work/list"
     [ -d "$given" ] && [ ! -L "$given" ] || return
     (ulimit -t 10 && LC_ALL=C find "$given/" -maxdepth $MOST_LEVELS -path '*/tests/given' -prune -o -type f \
-        \( \( -name '*.[ch]' -size -2049 \) -o -iname '*.zip' -o -iname '*.tar' -o -iname '*.t[gx]z' \
-        -o -iname '*.[gx]z' -o -iname '*.7z' -o -iname '*.bz2' -o -iname '*.tbz2' -o -iname '*.zst' -o -iname '*.lzma' \
-        -o -iname '*.tar.z' -o -iname '*.rar' \) -print0) 2>/dev/null |
+        \( \( -name '*.[ch]' -size -2049 \) \
+        -o -iregex '.*\.\(zip\|tar\(\.z\)?\|t?[gx]z\|7z\|t?bz2\|zst\|lzma\|rar\)' \) -print0) 2>/dev/null |
         head -z -n $((MOST_FILES + 1)) >"$work/list"
     [ "$(tr -dc '\0' <"$work/list" | wc -c)" -le $MOST_FILES ] ||
         remark "there are more than $MOST_FILES files; only so many are looked at"
@@ -87,7 +86,8 @@ collect() {
     [ "$n" -lt 2 ] || remark "there are $n files $base; the last one found is marked"
     [ "$n" -gt 0 ] && return
     remark "$base is missing (or a link, of more than a million bytes, or deeper than $MOST_LEVELS levels)"
-    name_archives
+    packed=$(tr '\0\n' '\n?' <"$work/list" | grep -v '\.[ch]$' | head -n 1)
+    [ -z "$packed" ] || remark "${packed##*/} is an archive: unpack it, and mark the folder"
     cp "$shop/blank/$file" "$to"
 }
 # What is packed (zip, gzip, bzip2, xz, 7z, rar, zstd, compress, lzma) is not unpacked here, because it may be of any
@@ -97,10 +97,6 @@ is_archive() {
     504b0304* | 1f8b* | 1f9d* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07 | 28b52ffd* | 5d0000*) return 0 ;;
     esac
     return 1
-}
-name_archives() {
-    packed=$(tr '\0\n' '\n?' <"$work/list" | grep -v '\.[ch]$' | head -n 1)
-    [ -z "$packed" ] || remark "${packed##*/} is an archive: unpack it, and mark the folder"
 }
 of_marks() {
     : >"$work/marks-found"
@@ -123,6 +119,7 @@ read_it() {
         0)
             cmp -s "$from" "$shop/blank/$file" || changed=yes
             cp "$work/kept/$file.plain" "$from"
+            cat "$work/kept/$file.prints" >>"$work/prints"
             return
             ;;
         3)
@@ -206,7 +203,6 @@ look_at_object() {
     fi
 }
 
-
 # Everything before a test is run.
 accept() {
     changed=""
@@ -222,9 +218,6 @@ accept() {
     fi
     while IFS= read -r file; do
         read_it "$file" || { reason="refused"; return 1; }
-    done <"$shop/files"
-    while IFS= read -r file; do
-        cat "$work/kept/$file.prints" >>"$work/prints" 2>/dev/null
     done <"$shop/files"
     if [ -z "$changed" ]; then
         reason="nothing is written"

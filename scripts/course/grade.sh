@@ -3,14 +3,12 @@
 # grade: the points of a handed-in assignment, one line a criterion, and as JSON in FOLDER/grade.json, or in REPORT as
 # KIND (gradescope, classroom50: scripts/course/report.awk).
 #     scripts/course/grade.sh NAME FOLDER [KIND REPORT]       (make grade A=NAME DEST=FOLDER [FOR=KIND REPORT=FILE])
-# FOLDER is a starter kit, or has the files under study in any depth. Nothing else is taken from it. 100 points: 80
-# for the tests; 10 for speed, once all
-# tests pass: at most 1.5 times our time (5: at most 3 times); the same share of 10 as of the 80, where what passes
-# does so under the address, leak and
-# undefined-behaviour sanitizers, too. Without these there are 90.
+# FOLDER is a starter kit, or has the files under study in any depth. Nothing else is taken from it. What the points
+# are for: docs/assignments/README.md.
 # From the root, with what scripts/course/course.mk exports. Exit status 0 when there is a grade, whatever it is.
 # For a class: BIS_SHOP, the folder of scripts/course/grade_shop.sh; BIS_RESULT, where "lines" (points, of how many,
 # criterion, remark) and "prints" go.
+# shellcheck disable=SC2086 # flags are words
 name=$1
 given=$2
 kind=${3:-grade}
@@ -23,7 +21,6 @@ fail() {
 [ -d tests/course ] ||
     fail "this is a starter kit; it is marked by the project that it comes from. make test shows the tests"
 if [ -z "$name" ] || [ -z "$given" ]; then fail "say which, and whose: make grade A=alias DEST=../alias"; fi
-case $name in *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
 [ -f "tests/course/${name}_blank.c" ] || fail "there is no assignment \"$name\""
 [ -e "$given" ] || fail "$given is not there"
 case $kind in grade | gradescope | classroom50) ;; *) fail "there is no report for \"$kind\"" ;; esac
@@ -66,13 +63,11 @@ link_it() {
     shift 2
     objects=""
     while IFS= read -r file; do objects="$objects $work/objects/$prefix$file.o"; done <"$shop/units"
-    # shellcheck disable=SC2086
     run $BIS_LINK "$@" $refused -Wl,-z,relro,-z,now -o "$program" $BIS_SERVER $objects "$shop/lib.a" \
         $BIS_LIBS >>"$work/messages" 2>&1
 }
 
 grade_tests() {
-    # shellcheck disable=SC2086
     run "$tool" claims $secrets "$work/mine" "$shop/claims" >"$work/marks"
     while IFS='	' read -r verdict points claim message; do
         got=0
@@ -86,7 +81,6 @@ grade_speed() {
         line 0 10 speed "measured once all tests pass"
         return
     fi
-    # shellcheck disable=SC2086
     if run "$tool" speed $secrets "$work/mine" "$shop/ours" "$shop/claims" >"$work/ratio"; then
         ratio=$(cat "$work/ratio")
         line "$(awk -v r="$ratio" 'BEGIN { print r <= 1.5 ? 10 : r <= 3 ? 5 : 0 }')" 10 speed "$ratio times our time"
@@ -106,15 +100,12 @@ grade_memory() {
         return
     fi
     while IFS= read -r file; do
-        # shellcheck disable=SC2086
         compile "$file" clean/ $BIS_SANITIZE >>"$work/messages" && look_at_object "$file" clean/
     done <"$shop/units"
-    # shellcheck disable=SC2086
     if ! link_it clean clean/ $BIS_SANITIZE; then
         line 0 10 "clean memory" "it does not compile with the sanitizers"
         return
     fi
-    # shellcheck disable=SC2086
     if ! run "$tool" claims -a $secrets -k "$work/marks" "$work/clean" "$shop/claims" >"$work/clean.marks"; then
         line 0 10 "clean memory" "who marks was ended"
         return
@@ -140,13 +131,10 @@ trade_pages() {
     for who in mine ours; do
         objects=""
         [ $who = mine ] && while IFS= read -r file; do objects="$objects $work/objects/$file.o"; done <"$shop/units"
-        # shellcheck disable=SC2086
         home=$work/bis-$who
         mkdir -p "$home/library"
         # The program, and its library, which trade loads: theirs comes before ours of the same name.
-        # shellcheck disable=SC2086
         $BIS_LINK -o "$home/bis" "$BIS_BUILD/src/cli/main.o" $objects ${BIS_OBJECTS##* } $BIS_LIBS || return
-        # shellcheck disable=SC2086
         $BIS_LINK -shared -o "$home/library/libbis.so.$version" $objects -Wl,--allow-multiple-definition \
             -Wl,--whole-archive ${BIS_OBJECTS##* } -Wl,--no-whole-archive $BIS_LIBS || return
         PATH="$PWD/scripts/python:$PATH" run "$tool" run -c 120 -r "$home" -r "$PWD/scripts/python" -r "$PWD/data" \

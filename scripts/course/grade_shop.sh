@@ -10,6 +10,7 @@
 #     claims        the claims, which ask a student's program  ours        such a program, with our own code
 #     ours-clean    the same, sanitized, where possible        ours.marks  its marks
 #     blank.prints, ours.prints  of the files as they are given out, and as we have them
+# shellcheck disable=SC2086 # flags are words
 name=$1
 shop=$2
 fail() {
@@ -26,7 +27,6 @@ compile() { # SOURCE OBJECT FLAGS...: as a hand-in is
     source=$1
     object=$2
     shift 2
-    # shellcheck disable=SC2086
     BIS_SANDBOX=$sandbox "$BIS_BUILD/grade" run -d "$shop/headers" -r "$shop/headers" -r "$shop/ours-src" \
         -w "${object%/*}" -- $BIS_COMPILE -iquote "$shop/ours-src" -iquote "src/$folder" "$@" -c -o "$object" "$source"
 }
@@ -45,23 +45,18 @@ while IFS= read -r file; do
     folder=${file%/*}
     [ -f "$shop/ours-src/$file" ] || cp "src/$file" "$shop/ours-src/$file" || exit 1
     mkdir -p "$shop/objects/$folder"
-    if ! compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages"; then
-        [ "$sandbox" = none ] && fail "our own src/$file does not compile: $(cat "$shop/messages")"
-        sandbox=none # a compiler that the sandbox does not hold
-        compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages" ||
-            fail "our own src/$file does not compile: $(cat "$shop/messages")"
-    fi
+    # a compiler that the sandbox does not hold works without
+    compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages" || {
+        sandbox=none
+        compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages"
+    } || fail "our own src/$file does not compile: $(cat "$shop/messages")"
 done <"$shop/units"
 echo "$sandbox" >"$shop/sandbox"
 export BIS_SANDBOX="$sandbox"
 
-# shellcheck disable=SC2086
 cp "${BIS_OBJECTS##* }" "$shop/lib.a" && $BIS_COMPILE -c -o "$shop/claims.o" "tests/course/$name.c" || exit 1
-# shellcheck disable=SC2086
 $BIS_LINK -o "$shop/claims" "$shop/claims.o" $BIS_OBJECTS $BIS_LIBS || exit 1
-# shellcheck disable=SC2086
 $BIS_LINK -o "$shop/ours" $BIS_SERVER "${BIS_OBJECTS##* }" $BIS_LIBS || exit 1
-# shellcheck disable=SC2086
 $BIS_LINK $BIS_SANITIZE -o "$shop/ours-clean" $BIS_SERVER "${BIS_OBJECTS##* }" $BIS_LIBS 2>/dev/null
 # shellcheck disable=SC2046
 ar d "$shop/lib.a" $(sed 's|.*/||; s|\.c$|.o|' "$shop/units") || exit 1

@@ -14,7 +14,6 @@ fail() {
 }
 
 [ -d tests/course ] || fail "this is a starter kit; kits are made by the project that it comes from"
-case $name in "" | *[!a-z0-9]*) fail "there is no assignment \"$name\"" ;; esac
 [ -f "tests/course/${name}_blank.c" ] || fail "there is no assignment \"$name\""
 case $kind in gradescope | classroom50) ;; *) fail "FOR is gradescope, classroom50 or moodle, not \"$kind\"" ;; esac
 [ -n "$to" ] || fail "say where to: make kit A=$name FOR=$kind DEST=../$name$([ "$kind" != gradescope ] || echo .zip)"

@@ -26,7 +26,7 @@ static void set_fault(token_file *f, unsigned line, const char *what)
 
 /* The file without its continued lines, and the line of each byte. Compilers take blanks behind the backslash for
  * nothing. */
-static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
+static char *unfold(const char *raw, size_t n, unsigned *lines)
 {
     char *text = malloc(n + 2);
     size_t k = 0;
@@ -48,7 +48,6 @@ static char *unfold(const char *raw, size_t n, unsigned *lines, size_t *length)
     }
     lines[k] = line;
     text[k] = '\0';
-    *length = k;
     return text;
 }
 
@@ -189,7 +188,7 @@ static void lex(lexer *x)
     if (x->in_hole) set_fault(x->f, x->lines[x->at], "a fragment without an [end]");
 }
 
-/* A directive, a function (its { follows a parenthesis) or what a semicolon ends. */
+/* A directive, a function (its { follows a parenthesis, or a declaration as of 1978) or what a semicolon ends. */
 static void cut(token_file *f)
 {
     size_t begin = 0;
@@ -199,15 +198,21 @@ static void cut(token_file *f)
     for (size_t i = 0; i < f->n; i++) {
         const token *t = &f->tokens[i];
         bool ends = false;
-        if (t->kind == TOKEN_DIRECTIVE) directive = true;
+        if (t->kind == TOKEN_DIRECTIVE) {
+            directive = true;
+            if (depth == 0 && i > begin) { /* a macro's name alone stands before it */
+                f->items[f->n_items++] = (token_item){begin, i};
+                begin = i;
+            }
+        }
         if (directive) {
-            ends = t->kind == TOKEN_LINE_END && depth == 0 && f->tokens[begin].kind == TOKEN_DIRECTIVE;
-            if (t->kind == TOKEN_LINE_END) directive = false;
+            directive = t->kind != TOKEN_LINE_END;
+            ends = !directive && depth == 0;
         } else if (t->kind == TOKEN_HOLE) {
             ends = depth == 0 && i == begin;
         } else if (t->kind == TOKEN_MARK) {
             if (is(t, "{")) {
-                if (depth == 0) body = i > begin && is(t - 1, ")");
+                if (depth == 0) body = i == begin || is(t - 1, ")");
                 depth++;
             } else if (is(t, "}")) {
                 depth--;
@@ -236,30 +241,24 @@ static char *contents(const char *path, size_t *n)
 
 bool tokens_read(token_file *f, const char *path, bool is_template)
 {
-    size_t n = 0, length = 0;
+    size_t n = 0;
     char *raw = contents(path, &n);
-    unsigned *lines = raw ? malloc((n + 2) * sizeof *lines) : NULL;
 
-    *f = (token_file){0};
-    if (!lines)
+    *f = (token_file){.lines = malloc((n + 2) * sizeof *f->lines),
+                      .tokens = calloc(n + 8, sizeof *f->tokens),
+                      .items = calloc(n + 8, sizeof *f->items)};
+    if (!raw || !f->lines || !f->tokens || !f->items)
         snprintf(f->fault, sizeof f->fault, "it cannot be read");
     else if (n > TOKEN_BYTES)
         snprintf(f->fault, sizeof f->fault, "it has more than a million bytes");
     else if (memchr(raw, '\0', n))
         snprintf(f->fault, sizeof f->fault, "it is no text");
-    if (!f->fault[0]) f->text = unfold(raw, n, lines, &length);
-    if (f->text) {
-        f->tokens = calloc(length + 8, sizeof *f->tokens);
-        f->items = calloc(length + 8, sizeof *f->items);
-        if (f->tokens && f->items) {
-            f->lines = lines;
-            lex(&(lexer){.f = f, .text = f->text, .lines = lines, .is_template = is_template});
-            cut(f);
-        }
+    else if ((f->text = unfold(raw, n, f->lines))) {
+        lex(&(lexer){.f = f, .text = f->text, .lines = f->lines, .is_template = is_template});
+        cut(f);
     }
     free(raw);
-    if (!f->lines) free(lines);
-    return !f->fault[0] && f->tokens && f->items;
+    return f->text && !f->fault[0];
 }
 
 void tokens_clear(token_file *f)
@@ -287,6 +286,21 @@ bool tokens_write(const token_file *f, const char *path)
 
 /* ---- what is theirs ---- */
 
+static bool among(const token *t, const char *words)
+{
+    for (const char *w = words; *w;) {
+        const size_t n = strcspn(w, " ");
+        if (n == t->n && memcmp(w, t->text, n) == 0) return true;
+        w += n;
+        w += *w == ' ';
+    }
+    return false;
+}
+
+static const char *const words_of_c =
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
+    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while bool";
+
 /* The tokens t[0..n) of theirs against an item of ours, whose holes take the shortest run that lets the rest follow;
  * the last hole all but the rest. */
 static bool fits(token *t, size_t n, const token *ours, size_t n_ours)
@@ -305,50 +319,29 @@ static bool fits(token *t, size_t n, const token *ours, size_t n_ours)
     return false;
 }
 
-static bool is_hole(const token_file *f, const token_item *item)
-{
-    return item->end == item->begin + 1 && f->tokens[item->begin].kind == TOKEN_HOLE;
-}
-
+/* What stands before an item of ours, as a macro without a semicolon, is theirs; a word of C there changes ours. */
 bool tokens_compare(token_file *f, const token_file *template, unsigned *line)
 {
-    size_t next = 0; /* of ours */
-    bool same_so_far = true;
+    const token_item *ours = template->items, *const end = ours + template->n_items;
 
-    for (size_t k = 0; k < f->n_items; k++) {
+    for (size_t k = 0; k <= f->n_items; k++) { /* and once more for holes at the end */
+        while (ours < end && template->tokens[ours->begin].kind == TOKEN_HOLE)
+            ours++;
+        if (k == f->n_items) break;
         const token_item theirs = f->items[k];
-        while (next < template->n_items && is_hole(template, &template->items[next]))
-            next++;
-        if (next < template->n_items) {
-            const token_item ours = template->items[next];
-            if (fits(f->tokens + theirs.begin, theirs.end - theirs.begin, template->tokens + ours.begin,
-                     ours.end - ours.begin)) {
-                next++;
-                continue;
-            }
-        }
-        for (size_t i = theirs.begin; i < theirs.end; i++)
+        size_t i = theirs.begin;
+        for (; i < theirs.end; i++) {
+            if (ours < end && (i == theirs.begin || !among(&f->tokens[i - 1], words_of_c)) &&
+                fits(f->tokens + i, theirs.end - i, template->tokens + ours->begin, ours->end - ours->begin)) break;
             f->tokens[i].theirs = true;
+        }
+        ours += i < theirs.end;
     }
-    while (next < template->n_items && is_hole(template, &template->items[next]))
-        next++;
-    same_so_far = next == template->n_items;
-    if (!same_so_far) *line = template->tokens[template->items[next].begin].line;
-    return same_so_far;
+    if (ours < end) *line = template->tokens[ours->begin].line;
+    return ours == end;
 }
 
 /* ---- what is refused ---- */
-
-static bool among(const token *t, const char *words)
-{
-    for (const char *w = words; *w;) {
-        const size_t n = strcspn(w, " ");
-        if (n == t->n && memcmp(w, t->text, n) == 0) return true;
-        w += n;
-        w += *w == ' ';
-    }
-    return false;
-}
 
 static bool has_name(const token_file *template, const token *t)
 {
@@ -426,33 +419,25 @@ static bool is_refused(const token_file *f, const token_file *template, char *co
         if (!is(t + 1, "define")) return true;
         /* a macro of theirs renames nothing of ours and no word of the language */
         return t[2].kind != TOKEN_NAME || t[2].text[0] == '_' || has_name(template, t + 2) ||
-               among(t + 2, "auto break case char const continue default do double else enum extern float for goto if "
-                            "inline int long register restrict "
-                            "return short signed sizeof static struct switch typedef union unsigned void volatile "
-                            "while bool true false NULL");
+               among(t + 2, words_of_c) || among(t + 2, "true false NULL");
     default:
         return false;
     }
 }
 
-/* Is token i of theirs a condition that has no end before what is ours begins, or that ends no other? */
+/* Is token i of theirs a condition whose other end is not before what is ours begins? Looks on from its beginning, back
+ * from all else. */
 static bool encloses_ours(const token_file *f, size_t i)
 {
+    const bool opens = begins(&f->tokens[i + 1], "if");
     int depth = 0;
 
     if (f->tokens[i].kind != TOKEN_DIRECTIVE || !among(&f->tokens[i + 1], conditions)) return false;
-    if (!begins(&f->tokens[i + 1], "if")) { /* its beginning lies before it */
-        for (size_t k = i; k-- > 0 && f->tokens[k].theirs;) {
-            if (f->tokens[k].kind != TOKEN_DIRECTIVE) continue;
-            depth += is(&f->tokens[k + 1], "endif") - begins(&f->tokens[k + 1], "if");
-            if (depth < 0) return false;
-        }
-        return true;
-    }
-    for (size_t k = i; k < f->n && f->tokens[k].theirs; k++) {
+    for (size_t k = opens ? i + 1 : i - 1; k < f->n && f->tokens[k].theirs; opens ? k++ : k--) {
         if (f->tokens[k].kind != TOKEN_DIRECTIVE) continue;
-        depth += begins(&f->tokens[k + 1], "if") - is(&f->tokens[k + 1], "endif");
-        if (depth == 0) return false;
+        const int deeper = begins(&f->tokens[k + 1], "if") - is(&f->tokens[k + 1], "endif");
+        depth += opens ? deeper : -deeper;
+        if (depth < 0) return false;
     }
     return true;
 }
@@ -488,25 +473,16 @@ static uint64_t meaning(const token_file *f, const token_file *template, size_t 
 
     if (t->kind == TOKEN_STRING) return 1;
     if (t->kind != TOKEN_NAME) return hash(2, t->text, t->n);
-    const bool fixed = among(t, "break case char const continue default do double else enum float for goto if int long "
-                                "return short signed sizeof static "
-                                "struct switch typedef union unsigned void while bool size_t uint32_t uint64_t") ||
+    const bool fixed = among(t, words_of_c) || among(t, "size_t uint32_t uint64_t") ||
                        (i > 0 && (is(t - 1, ".") || is(t - 1, "->"))) ||
                        (i + 1 < f->n && is(t + 1, "(") && has_name(template, t));
     return fixed ? hash(3, t->text, t->n) : 4;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-
-    return (x > y) - (x < y);
-}
-
 size_t tokens_prints(const token_file *f, const token_file *template, uint64_t **prints)
 {
     uint64_t window[TOKEN_RUN], *p = calloc(f->n + 1, sizeof *p);
-    size_t n = 0, unique = 0;
+    size_t n = 0;
 
     *prints = p;
     if (!p) return 0;
@@ -525,9 +501,5 @@ size_t tokens_prints(const token_file *f, const token_file *template, uint64_t *
             p[n++] = h;
         }
     }
-    qsort(p, n, sizeof *p, by_value);
-    for (size_t i = 0; i < n; i++) {
-        if (i == 0 || p[i] != p[i - 1]) p[unique++] = p[i];
-    }
-    return unique;
+    return n;
 }

@@ -64,8 +64,8 @@ bool tokens_compare(token_file *f, const token_file *template, unsigned *line);
 const char *tokens_refuse(const token_file *f, const token_file *template, char *const *folders, char *text,
                           size_t room);
 
-/* Hashes of all runs of TOKEN_RUN of their tokens within an item, sorted, each once; names that a copyist can change
- * are all one. Returns how many, with the array in *prints, to be freed. */
+/* Hashes of all runs of TOKEN_RUN of their tokens within an item; names that a copyist can change are all
+ * one. Returns how many, with the array in *prints, to be freed. */
 enum { TOKEN_RUN = 8 };
 size_t tokens_prints(const token_file *f, const token_file *template, uint64_t **prints);
 
