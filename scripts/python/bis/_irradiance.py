@@ -2,8 +2,9 @@
 """How much light of a map arrives: irradiance for any normal, spherical harmonics, and irradiance at
 points of a scene.
 
-But at points of a scene nothing hides a point here. A pixel has one radiance all over, so the integral over a circle of
-latitude is a difference of running sums. Over the latitudes it is taken by Gauss and Legendre.
+Of a map alone, where nothing hides a point, irradiance is exact. A pixel has one radiance all over,
+so the integral over a circle of latitude is a difference of running sums. Over the latitudes it is
+taken by Gauss and Legendre. At points of a scene it is estimated, by a render.
 """
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from ._sampling import Envmap
 
 #: World axes of programs that show a lat-long picture as `bis` shows it: the rows give their x, y
-#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/library.md has the sources.
+#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/command-line.md has the sources.
 FRAMES = {
     "bis": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
     "blender": ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
