@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""How much light of a map arrives: irradiance for any normal, spherical harmonics, and irradiance at
-points of a scene.
+"""How much light of a map arrives: irradiance for any normal, spherical harmonics, and irradiance
+at points of a scene.
 
 Of a map alone, where nothing hides a point, irradiance is exact. A pixel has one radiance all over,
 so the integral over a circle of latitude is a difference of running sums. Over the latitudes it is
@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from ._sampling import Envmap
 
 #: World axes of programs that show a lat-long picture as `bis` shows it: the rows give their x, y
-#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/command-line.md has the sources.
+#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/command-line.md has the
+#: sources.
 FRAMES = {
     "bis": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
     "blender": ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
@@ -44,7 +45,8 @@ def _latitudes(height: int, nodes: int) -> tuple[Doubles, Doubles]:
     """Nodes theta and their weights, (height, nodes)."""
     x, weight = np.polynomial.legendre.leggauss(nodes)
     step = np.pi / height
-    return (np.arange(height)[:, None] + (x + 1) / 2) * step, np.tile(weight * step / 2, (height, 1))
+    theta = (np.arange(height)[:, None] + (x + 1) / 2) * step
+    return theta, np.tile(weight * step / 2, (height, 1))
 
 
 class _Circles:
@@ -118,7 +120,7 @@ def irradiance(light: Envmap, normals: ArrayLike) -> Doubles:
 
 
 def _moments(pixels: Doubles) -> Doubles:
-    """The integrals of L v v^T for v = (1, x, y, z), (4, 4, colours): all polynomials of degree 2."""
+    """The integrals of L v v^T for v = (1, x, y, z), (4, 4, colours): all of degree 2."""
     height, width = pixels.shape[:2]
     theta, weight = _latitudes(height, NODES + SMALL // height)
     x, share = np.polynomial.legendre.leggauss(NODES + SMALL // width)
@@ -203,7 +205,8 @@ def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optiona
         side //= 2
     rows = side * -(-len(p) // (side * side))
     k = np.arange(rows * side)
-    y, x = k // (side * side) * side + _gathered(k % (side * side), 1), _gathered(k % (side * side), 0)
+    square, inside = np.divmod(k, side * side)
+    y, x = square * side + _gathered(inside, 1), _gathered(inside, 0)
     place = np.empty((rows, side), np.intp)
     place[y, x] = order[np.minimum(k, len(p) - 1)]
     picture = scene._of_points(lifted[place], n[place].astype(np.float32), settings)

@@ -91,8 +91,8 @@ def _lamps(light: Envmap, pixels: Floats, grey: Doubles, angles: Doubles) -> lis
 
 
 def _is_sun(pixels: Floats, grey: Doubles, spot: NDArray[np.bool_], angles: Doubles) -> bool:
-    """Whether a spot is a small disc above the horizon with sky beside it: light that falls off, and
-    is not red."""
+    """Whether a spot is a small disc above the horizon with sky beside it: light that falls off,
+    and is not red."""
     rows = np.nonzero(spot)[0]
     if angles[spot].sum() > SUN or rows.max() >= len(grey) // 2:
         return False
@@ -234,8 +234,8 @@ def _eight_bits(pixels: Floats) -> list[str]:
 
 
 def find(light: Envmap) -> list[str]:
-    """What is probably wrong, a line each. What pixels tell is told of a lat-long map alone, because
-    another was resampled, and not of a few pixels."""
+    """What is probably wrong, a line each. What pixels tell is told of a lat-long map alone,
+    because another was resampled, and not of a few pixels."""
     found = _bad_values(light)
     p = light.pixels
     grey = p.astype(np.float64).sum(2)

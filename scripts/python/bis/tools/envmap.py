@@ -83,8 +83,8 @@ def _doctor_text(d: Diagnosis) -> str:
     is_known = math.isfinite(h.of_itself[1])
     rms, worst = h.of_itself if is_known else h.of_mean
     lines = [
-        "\nfrom above  E = %.4g %.4g %.4g; exposure %+.1f EV makes a grey card that faces up middle "
-        "grey" % (*d.irradiance, round(d.exposure, 1) + 0.0),
+        "\nfrom above  E = %.4g %.4g %.4g; exposure %+.1f EV makes a grey card that faces up "
+        "middle grey" % (*d.irradiance, round(d.exposure, 1) + 0.0),
         "to 1 %%      of this E, nothing hidden: %s samples" % ", ".join(
             "%.2g by %s" % (n, method) for method, n in d.samples.items())]
     if not d.irradiance.any():
