@@ -112,12 +112,12 @@ void bis_portal_sample(const bis_lanes *x, const bis_portal_view *v, const float
 
 /* ---- all portals of a light ---- */
 
-uint32_t bis_portals_look(bis_portals *p, const bis_light *light, vec3 origin, uint32_t n)
+uint32_t bis_portals_look(bis_portals *p, const bis_portal *portals, uint32_t n_portals, vec3 origin, uint32_t n)
 {
-    const bis_portal *portals = bis_light_portals(light, &p->n);
     double all = 0, sum = 0;
     uint32_t end = 0;
 
+    p->n = n_portals;
     for (uint32_t j = 0; j < p->n; j++) {
         bis_portal_look(&p->view[j], &portals[j], origin);
         all += p->view[j].solid_angle;
@@ -186,8 +186,9 @@ bool bis_portals_are_missed(const bis_light *light, ray eye)
     bis_portals p;
     float q = 0;
     const bis_lanes x = {.x = &eye.d.x, .y = &eye.d.y, .z = &eye.d.z, .q = &q};
-    uint32_t place = 0;
+    uint32_t place = 0, n;
+    const bis_portal *portals = bis_light_portals(light, &n);
 
-    if (bis_portals_look(&p, light, eye.o, 1 << 30)) bis_portals_pass(&p, &q, &place, &x, 1, BIS_PORTALS_MAX);
+    if (bis_portals_look(&p, portals, n, eye.o, 1 << 30)) bis_portals_pass(&p, &q, &place, &x, 1, BIS_PORTALS_MAX);
     return p.n && place == UINT32_MAX;
 }
