@@ -357,7 +357,47 @@ static bool search_plane(search *s, const plane *q, const bis_geometry *g)
     return true;
 }
 
-static uint32_t choose(bis_portal *windows, const search *s)
+/* Panes and slits: *a becomes the rectangle around both, if they lie in a plane and fill four fifths of it, because
+ * each portal takes time. */
+static bool join(bis_portal *a, const bis_portal *b)
+{
+    double n[3], m[3], v[3], low[2] = {0, 0}, high[2] = {1, 1};
+
+    cross3(n, a->edge[0], a->edge[1]);
+    cross3(m, b->edge[0], b->edge[1]);
+    const double size = sqrt(dot3(n, n));
+    for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 3; k++) v[k] = b->corner[k] - a->corner[k] + i % 2 * b->edge[0][k] + i / 2 * b->edge[1][k];
+        if (fabs(dot3(n, v)) > 1e-4 * size * sqrt(size)) return false;
+        for (int k = 0; k < 2; k++) {
+            const double at = dot3(v, a->edge[k]) / dot3(a->edge[k], a->edge[k]);
+            low[k] = fmin(low[k], at);
+            high[k] = fmax(high[k], at);
+        }
+    }
+    if ((high[0] - low[0]) * (high[1] - low[1]) > 1.25 * (1 + sqrt(dot3(m, m)) / size)) return false;
+    for (int i = 0; i < 3; i++) {
+        a->corner[i] += low[0] * a->edge[0][i] + low[1] * a->edge[1][i];
+        for (int k = 0; k < 2; k++) a->edge[k][i] *= high[k] - low[k];
+    }
+    return true;
+}
+
+/* false: there are no two. */
+static bool join_two(search *s, uint32_t votes[FOUND])
+{
+    for (uint32_t j = 0; j < s->n_found; j++) {
+        for (uint32_t k = j + 1; k < s->n_found && votes[j]; k++) {
+            if (!votes[k] || !join(&s->found[j], &s->found[k])) continue;
+            votes[j] += votes[k];
+            votes[k] = 0;
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint32_t choose(bis_portal *windows, search *s)
 {
     uint32_t votes[FOUND] = {0}, n = 0, all = 0;
 
@@ -370,6 +410,7 @@ static uint32_t choose(bis_portal *windows, const search *s)
         }
         votes[best] += last > 0;
     }
+    while (join_two(s, votes)) {}
     for (uint32_t j = 0; j < s->n_found && n < BIS_PORTALS_MAX; j++) {
         if (!votes[j]) continue;
         windows[n++] = s->found[j];
