@@ -19,7 +19,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { RAYS = 4096, ESCAPED = 64, SLOTS = 4096, PLANES = 16, FOUND = 64, MARKS = 32 };
+enum { RAYS = 4096, ESCAPED = 64, SLOTS = 4096, PLANES = 16, FOUND = 64, MARKS = 32, MOST = 4 };
 
 static void take(double to[3], vec3 v) { to[0] = (double)v.x, to[1] = (double)v.y, to[2] = (double)v.z; }
 
@@ -41,16 +41,16 @@ typedef struct line {
 
 /* Stores those that escape in a room, escaped[ESCAPED], and returns their number, or 0 in the open. What a camera ray
  * sees without a surface is open, and so is a place from where two opposite rays escape. Where the rays are is a
- * recurrence by powers of the root of g^5 = g + 1 (Roberts 2018). */
+ * recurrence by powers of 1/g, g^5 = g + 1 (Roberts 2018). */
 static uint32_t look_out(line *escaped, const bis_scene *s, const bis_camera *camera, const bis_film *film)
 {
     const int width = film->picture_width, height = film->picture_height;
-    const double g = 1.16730397826141868;
+    static const double step[4] = {0.8566748838545029, 0.733891856627126, 0.6287067210378086, 0.53859725722361};
     uint32_t n = 0, open = 0, i;
 
     for (i = 0; i < RAYS && n < ESCAPED; i++) {
         double u[4];
-        for (int k = 0; k < 4; k++) u[k] = fmod((i + 1) * pow(g, -1 - k), 1);
+        for (int k = 0; k < 4; k++) u[k] = (i + 1) * step[k] - floor((i + 1) * step[k]);
         const ray eye = bis_camera_ray(camera, width, height, u[0] * width, u[1] * height);
         bis_surface at = {.p = eye.o, .ng = neg(eye.d)}; /* a given point, if there is no camera */
         bis_hit hit;
@@ -76,7 +76,7 @@ static uint32_t look_out(line *escaped, const bis_scene *s, const bis_camera *ca
 /* n x = d, and a box about the triangles in it. What is nearer than `tolerance` lies in it. */
 typedef struct plane {
     uint64_t key; /* the same of planes that are nearly the same */
-    double n[3], d, tolerance, area, low[3], high[3];
+    double area, n[3], d, tolerance, low[3], high[3];
     uint32_t crossed; /* by so many rays within the box */
 } plane;
 
@@ -95,12 +95,15 @@ static bool plane_of(plane *q, double p[3][3], double far)
     if (!(fabs(size) > 0)) return false;
     for (int i = 0; i < 3; i++) {
         q->n[i] /= size;
-        q->key = bis_hash(q->key ^ (uint64_t)llrint(q->n[i] * 0x1p12));
-        q->low[i] = fmin(p[0][i], fmin(p[1][i], p[2][i]));
-        q->high[i] = fmax(p[0][i], fmax(p[1][i], p[2][i]));
+        q->key = q->key << 16 | (uint64_t)(q->n[i] * 0x1p12 + 0x1p13);
+        q->low[i] = q->high[i] = p[0][i];
+        for (int k = 1; k < 3; k++) {
+            if (p[k][i] < q->low[i]) q->low[i] = p[k][i];
+            if (p[k][i] > q->high[i]) q->high[i] = p[k][i];
+        }
     }
     q->d = dot3(q->n, p[0]);
-    q->key = bis_hash(q->key ^ (uint64_t)llrint(q->d / far * 0x1p18));
+    q->key = bis_hash(q->key ^ bis_hash((uint64_t)(q->d / far * 0x1p18 + 0x1p20)));
     q->area = fabs(size) / 2;
     q->tolerance = 0x1p-16 * sqrt(q->area) + 0x1p-20 * far;
     return true;
@@ -120,16 +123,18 @@ static void find_planes(plane *slots, const bis_geometry *g)
         corners_of(p, g, t);
         if (!plane_of(&q, p, far)) continue;
         plane *s = &slots[q.key % SLOTS];
-        const plane old = *s;
-        if (old.key != q.key && old.area > q.area) {
+        if (s->key != q.key && s->area > q.area) {
             s->area -= q.area;
-            continue;
-        }
-        if (old.key != q.key || q.tolerance > old.tolerance) *s = q;
-        s->area = old.key == q.key ? old.area + q.area : q.area - old.area;
-        for (int i = 0; i < 3 && old.key == q.key; i++) {
-            s->low[i] = fmin(q.low[i], old.low[i]);
-            s->high[i] = fmax(q.high[i], old.high[i]);
+        } else if (s->key != q.key) {
+            q.area -= s->area;
+            *s = q;
+        } else {
+            for (int i = 0; i < 3; i++) {
+                s->low[i] = q.low[i] = fmin(s->low[i], q.low[i]);
+                s->high[i] = q.high[i] = fmax(s->high[i], q.high[i]);
+            }
+            s->area = q.area += s->area;
+            if (q.tolerance > s->tolerance) *s = q;
         }
     }
 }
@@ -411,12 +416,13 @@ static uint32_t choose(bis_portal *windows, search *s)
         votes[best] += last > 0;
     }
     while (join_two(s, votes)) {}
-    for (uint32_t j = 0; j < s->n_found && n < BIS_PORTALS_MAX; j++) {
+    for (uint32_t j = 0; j < s->n_found; j++) {
         if (!votes[j]) continue;
-        windows[n++] = s->found[j];
+        if (n < MOST) windows[n] = s->found[j];
+        n++;
         all += votes[j];
     }
-    return 4 * all >= 3 * s->n_escaped ? n : 0;
+    return n <= MOST && 4 * all >= 3 * s->n_escaped ? n : 0;
 }
 
 bis_status bis_windows_find(bis_portal *windows, uint32_t *n, const bis_scene *scene, const bis_camera *camera,

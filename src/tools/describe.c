@@ -160,11 +160,12 @@ static void print_approximations(bis_json *j, const bis_scene_desc *d, const cha
     bis_json_close(j);
 }
 
-/* Each as the text of a parameter of the light. */
+/* Each as the text of a parameter of the light. Where none was found there is no such key. */
 static void print_windows(bis_json *j, const bis_render_result *r)
 {
     char text[BIS_MAX_LINE];
 
+    if (!r->n_windows) return;
     bis_json_open(j, "windows", '[');
     for (uint32_t i = 0; i < r->n_windows; i++) bis_json_text(j, NULL, bis_describe_portal(text, &r->windows[i]));
     bis_json_close(j);
