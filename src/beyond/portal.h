@@ -36,8 +36,10 @@ typedef struct bis_portals {
 } bis_portals;
 
 /* bis_portals_look stores how a point sees portals, and returns how many of n candidates are drawn through them:
- * half, or none if no portal is seen. Each portal gets as many as its solid angle is worth. */
-uint32_t bis_portals_look(bis_portals *p, const bis_portal *portals, uint32_t n_portals, const bis_point *pt, uint32_t n);
+ * half, fewer for a lobe that is narrower than they are, or none if no portal is seen. Each portal gets as many as its
+ * solid angle is worth. */
+uint32_t bis_portals_look(bis_portals *p, const bis_portal *portals, uint32_t n_portals, const bis_point *pt,
+                          uint32_t n);
 
 /* bis_portals_draw stores as many directions in x: each portal's evenly spread, in the order of a curve. u1, u2: room
  * for as many numbers, in whole blocks. */

@@ -31,7 +31,8 @@ static void put_box(char *text, const double b[6])
     size_t n = strlen(text);
 
     n += (size_t)snprintf(text + n, TEXT - n, "Shape \"trianglemesh\" \"point3 P\" [");
-    for (int i = 0; i < 24; i++) n += (size_t)snprintf(text + n, TEXT - n, "%.9g ", b[i % 3 + 3 * (i / 3 >> i % 3 & 1)]);
+    for (int i = 0; i < 24; i++)
+        n += (size_t)snprintf(text + n, TEXT - n, "%.9g ", b[i % 3 + 3 * (i / 3 >> i % 3 & 1)]);
     snprintf(text + n, TEXT - n, "] \"integer indices\" [0 1 3 0 3 2 4 5 7 4 7 6 0 1 5 0 5 4 2 3 7 2 7 6 0 2 6 0 6 4 "
              "1 3 7 1 7 5]\n");
 }
@@ -56,7 +57,8 @@ static void put_wall(char *text, int axis, double side, const opening *o)
 }
 
 /* What stands in a room, or in its place. */
-static const double blinds[] = {2, -.5, 1.05, 2.06, .5, 1.06, 2, -.5, 1.35, 2.06, .5, 1.36, 2, -.5, 1.65, 2.06, .5, 1.66},
+static const double blinds[] = {2, -.5, 1.05, 2.06, .5, 1.06, 2, -.5, 1.35, 2.06, .5, 1.36, 2, -.5, 1.65, 2.06, .5,
+                                1.66},
                     panes[] = {2.04, -.02, 1, 2.2, .02, 2, 2.04, -.5, 1.48, 2.2, .5, 1.52},
                     table[] = {-.2, -.4, .7, 1, .8, .75, .9, .7, 0, 1, .8, .7, .2, 0, .75, .5, .3, 1.1},
                     /* the room behind x = 2, and the same without a window */
