@@ -320,7 +320,7 @@ def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:
 
     m = survey.Map(light)
     s = survey.survey(m, o.levels)
-    d = doctor.diagnose(light, o.convention)
+    d = doctor.diagnose(m, o.convention)
     _turn(s, d, o.convention)
     if out:
         _write_pictures(o, out, m)
