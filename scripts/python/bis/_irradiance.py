@@ -13,22 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ._frames import FRAMES
 from ._library import Doubles, Error, Floats, array
 
 if TYPE_CHECKING:
     from ._render import Scene
     from ._sampling import Envmap
 
-#: World axes of programs that show a lat-long picture as `bis` shows it: the rows give their x, y
-#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/command-line.md has the
-#: sources.
-FRAMES = {
-    "bis": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "blender": ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "mitsuba": ((0, 1, 0), (0, 0, 1), (-1, 0, 0)),
-    "three": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    "unity": ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
-}
 NODES = 3  #: of Gauss and Legendre in a row, at least
 SMALL = 16  #: rows or columns: where there are fewer, more nodes
 LATITUDES = 1024  #: of the whole map, at least: where a horizon begins, the integrand has a bend
