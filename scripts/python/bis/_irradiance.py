@@ -183,6 +183,8 @@ def _order(p: Doubles, n: Doubles) -> NDArray[np.intp]:
 def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optional[float],
               **settings: Any) -> Arriving:
     """See `Scene.irradiance`."""
+    if "layers" in settings:
+        raise Error("irradiance at points has no layers: leave them out")
     p, n = (array(a, 3, np.float64, name) for a, name in ((points, "points"), (normals, "normals")))
     if p.shape != n.shape or not len(p):
         raise Error("%d points have %d normals: give one to each" % (len(p), len(n)))
