@@ -251,6 +251,24 @@ class Pictures(unittest.TestCase):
         self.assertTrue((pictures[0].rgb == pictures[1].rgb).all())
         self.assertFalse((pictures[0].rgb == pictures[2].rgb).all())  # twin: without normals and uv
 
+    def test_a_model_stands_where_fit_puts_it(self):
+        # A box of 4 x 2 x 1 far away; the vertex that no face has does not count.
+        with open(os.path.join(self.folder.name, "far.obj"), "w") as f:
+            f.write("v 100 7 3\nv 100 9 3\nv 104 7 4\nv 9999 0 0\nf 1 2 3\nusemtl other\nf 3 2 1\n")
+        begin = SCENE[:SCENE.index("Material")] + 'Translate 0 0 5 Shape "objmesh" "string filename" "far.obj" '
+        corners = {'"float fit" 2': [(-1, -0.5, 5), (-1, 0.5, 5), (1, -0.5, 5.5)],
+                   '"float fit" 8 "string up" "y" "bool materials" true': [(-4, 1, 5), (-4, 1, 9), (4, -1, 5)],
+                   '"float fit" 2 "bool smooth" true ' + begin[begin.index("Translate"):]: [
+                       (-1, -0.5, 5), (-1, 0.5, 5), (1, -0.5, 5.5), (100, 7, 13), (100, 9, 13), (104, 7, 14)]}
+        for words, expected in corners.items():
+            with open(self.scene, "w") as f:
+                f.write(begin + words)
+            mesh = bis.Scene(self.scene, approximate=True).mesh()
+            np.testing.assert_allclose(np.unique(mesh.vertices, axis=0), np.unique(expected, axis=0), atol=1e-5,
+                                       err_msg=words)
+        with self.assertRaisesRegex(bis.Error, 'unknown parameter "up"'):
+            bis.Scene(begin + '"string up" "y"')
+
     def test_approximate_replaces_and_warns(self):
         glass = SCENE[:SCENE.index("Material")] + 'Material "dielectric" Shape "sphere"'
         with self.assertRaises(bis.Error):
