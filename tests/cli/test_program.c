@@ -911,7 +911,7 @@ static void a_render_ends_with_one_line_about_what_was_written(void **state)
             snprintf(error, sizeof error,
                      percent < 9.95 ? "s, error about %.2g%%; exposure " : "s, error about %.0f%%; exposure ", percent);
         assert_non_null(strstr(r.messages, error));
-        if (i < 3) { /* with it, the picture of the EXR is the PNG but for rounding; a crop's EXR is the whole picture */
+        if (i < 3) { /* with it, the picture of the EXR is the PNG but for rounding; a crop has another size */
             program_run other;
             const char *exposure = strstr(r.messages, "; exposure ") + strlen("; exposure ");
             program_expect(&other, 0, "convert " DIR "/l.exr " DIR "/again.png --exposure %.*s",

@@ -538,6 +538,28 @@ class Page(unittest.TestCase):
             os.chdir(old)
         self.assertEqual(space["picture"].layers["albedo"].shape, (30, 80, 3))
 
+    def test_the_floor_of_the_page_catches_shadows(self):
+        with open(os.path.join(ROOT, "docs/show.md")) as f:
+            example = f.read().split("```python\n")[1].split("```")[0]
+        small = example.replace("width=240, height=160", "width=48, height=32")
+        small = small.replace("width=120, height=80", "width=6, height=4")
+        with tempfile.TemporaryDirectory() as folder:
+            space, old = {}, os.getcwd()
+            os.chdir(folder)
+            os.symlink(os.path.join(ROOT, "data"), "data")
+            try:
+                exec(compile(small, "docs/show.md", "exec"), space)
+                self.assertEqual(len(os.listdir("build/show")), 8 + 2 + 2 * 20)
+            finally:
+                os.chdir(old)
+        # Over the floor's own light, the transparent picture is that of both. Twin: the model without its shadow.
+        whole = space["scene"](space["MODEL"] + "true " + space["GREY"] + space["FLOOR"])
+        both = whole.render(camera=space["camera"], **space["size"]).rgb.sum(2)
+        floor, colours = space["floor"].sum(2), space["colours"].sum(2)
+        self.assertLess(np.mean(abs(colours + (1 - space["alpha"]) * floor - both)), 0.02 * both.mean())
+        covered = whole.render(camera=space["camera"], layers="albedo", **space["size"]).layers["albedo"][..., 0] != 0.5
+        self.assertGreater(np.mean(abs(np.where(covered, colours, floor) - both)), 0.05 * both.mean())
+
 
 class Notebooks(unittest.TestCase):
     def test_the_figures_run_and_their_claims_hold(self):
