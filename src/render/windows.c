@@ -4,11 +4,16 @@
  * Rays start where camera rays of the whole picture end. If few escape, it is asked which planes that shapes lie in
  * they cross. All triangles leave segments in such a plane. About a crossing the nearest segments in four directions,
  * along the nearest of all and across it, are a rectangle. It is a window if segments cover its sides and none lies
- * inside. So its corners are exactly those of the shapes: a portal 1 % too small is worse than none
+ * inside. So its corners are exactly those of the shapes, because a portal a little too small saves little
  * (docs/theory.md). Of the rectangles on its way a ray votes for the last, the outer edge of a wall.
  *
+ * Portals pay as long as little light comes in, and through few of them. Where a share s of the rays escapes, error x
+ * time is .03 to .4 of that without for s < .14, .5 to 1.0 for .41, 1.04 to 2 for .69; with 4, 8 and 14 windows of a
+ * hall .4 to .9, .4 to 1.1, and 1.3 to 2.5. Hence the bounds of windows.h.
+ *
  * Rays are the same for crops, parts and threads. Cost: in the open some 20 rays, else 4096 of the camera and as many
- * from surfaces, 50 ns a triangle for the planes, and 5 ns a triangle and plane. */
+ * from surfaces, 200 ns a triangle for the planes, and 5 ns a triangle and plane,
+ * a sixth of the time of Embree's tree. */
 #include "windows.h"
 
 #include "base/grow.h"
