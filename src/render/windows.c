@@ -147,7 +147,7 @@ static void find_planes(plane *slots, const bis_geometry *g)
 /* Where a ray crosses the plane, if that is in its box. */
 static bool cross_at(double x[3], const plane *q, const line *r)
 {
-    const double t = (q->d - dot3(q->n, r->o)) / dot3(q->n, r->d);
+    const double c = dot3(q->n, r->d), t = c != 0 ? (q->d - dot3(q->n, r->o)) / c : 0;
     bool is_in = t > 0 && isfinite(t);
 
     for (int i = 0; i < 3; i++) {
@@ -227,9 +227,10 @@ static void turn(double x[2], section *c, const double at[3])
     for (const segment *s = c->s; s < c->s + c->n; s++) {
         const double d[2] = {s->p[1][0] - s->p[0][0], s->p[1][1] - s->p[0][1]};
         const double v[2] = {x[0] - s->p[0][0], x[1] - s->p[0][1]}, size = hypot(d[0], d[1]);
+        if (!(size > 0)) continue;
         const double t = fmin(fmax((v[0] * d[0] + v[1] * d[1]) / (size * size), 0), 1);
         const double off = hypot(v[0] - t * d[0], v[1] - t * d[1]);
-        if (!(size > 0 && off < least)) continue;
+        if (!(off < least)) continue;
         least = off;
         for (int k = 0; k < 2; k++) by[k] = d[k] / size;
     }
@@ -325,7 +326,7 @@ static double passes(const bis_portal *w, const line *r)
 
     cross3(n, a, b);
     for (int i = 0; i < 3; i++) v[i] = w->corner[i] - r->o[i];
-    const double t = dot3(n, v) / dot3(n, r->d);
+    const double c = dot3(n, r->d), t = c != 0 ? dot3(n, v) / c : 0;
     for (int i = 0; i < 3; i++) v[i] = t * r->d[i] - v[i];
     const double x = dot3(v, a) / dot3(a, a), y = dot3(v, b) / dot3(b, b);
     return t > 0 && isfinite(t) && x >= 0 && x <= 1 && y >= 0 && y <= 1 ? t : 0;
@@ -439,7 +440,7 @@ bis_status bis_windows_find(bis_portal *windows, uint32_t *n, const bis_scene *s
     plane *q;
 
     *n = 0;
-    if (good) s->n_escaped = look_out(s->escaped, scene, camera, film);
+    if (good && scene->geometry.n_triangles) s->n_escaped = look_out(s->escaped, scene, camera, film);
     if (good && s->n_escaped) {
         find_planes(s->slots, &scene->geometry);
         for (q = s->slots; q < s->slots + SLOTS; q++)
