@@ -9,7 +9,8 @@
  *
  * Portals pay as long as little light comes in, and through few of them. Where a share s of the rays escapes, error x
  * time is .03 to .4 of that without for s < .14, .5 to 1.0 for .41, 1.04 to 2 for .69; with 4, 8 and 14 windows of a
- * hall .4 to .9, .4 to 1.1, and 1.3 to 2.5. Hence the bounds of windows.h.
+ * hall .4 to .9, .4 to 1.1, and 1.3 to 2.5. Hence the bounds of windows.h. (Diffuse surfaces; where all is a Phong of
+ * exponent 1000 and s = .14, .2 to 1.1.)
  *
  * Rays are the same for crops, parts and threads. Cost: in the open some 20 rays, else 4096 of the camera and as many
  * from surfaces, 200 ns a triangle for the planes, and 5 ns a triangle and plane,
