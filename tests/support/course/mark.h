@@ -66,6 +66,9 @@ double *mark_uniforms(size_t n, uint64_t seed, uint64_t pixel);
  * to look. */
 _Noreturn void mark_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* mark_note says something of a claim that will hold: one line, which stands beside its points. */
+void mark_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* mark_near does so unless the value is near; the larger of the two tolerances counts. what is a format, as in "the
  * solid angle of row %d". */
 void mark_near(double value, double expected, double absolute, double relative, const char *what, ...)
