@@ -75,8 +75,9 @@ bisFigure.define({
       bisPlot.number(stats[0]) + ' and the error ' + bisPlot.percent(error(out)) +
       ' +- ' + bisPlot.percent(doubt(out)) + ' each; the exact value is ' + bisPlot.number(exact[0]) +
       '. The candidates bring ' + bisPlot.percent(noise(out, 2)) + ', the choice of rays ' +
-      bisPlot.percent(noise(out, 3)) + ', so here ' + helps(out) + '. One estimate casts ' + bisPlot.number(stats[2], 3) +
-      ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, blue where the light is seen, else black.'};
+      bisPlot.percent(noise(out, 3)) + ', so here ' + helps(out) + '. One estimate casts ' +
+      bisPlot.number(stats[2], 3) + ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, blue where the ' +
+      'light is seen, else black.'};
   },
   tasks: [
     {ask: 'With N = 1 ray, find the smallest M (a power of 2) at which the error of one estimate is below 125 %.',
