@@ -5,7 +5,9 @@
  * they cross. All triangles leave segments in such a plane. About a crossing the nearest segments in four directions,
  * along the nearest of all and across it, are a rectangle. It is a window if segments cover its sides and none lies
  * inside. So its corners are exactly those of the shapes, because a portal a little too small saves little
- * (docs/theory.md). Of the rectangles on its way a ray votes for the last, the outer edge of a wall.
+ * (docs/theory.md). Of the rectangles on its way a ray votes for that which looks smallest: of the two edges of a wall
+ * the outer one, and of a window behind an arcade the window (the arcade has up to 1.9 times the error x time of no
+ * portal).
  *
  * Portals pay as long as little light comes in, and through few of them. Where a share s of the rays escapes, error x
  * time is .03 to .4 of that without for s < .14, .5 to 1.0 for .41, 1.04 to 2 for .69; with 4, 8 and 14 windows of a
@@ -319,7 +321,7 @@ static bool find_window(bis_portal *w, section *c, const plane *q, const double 
     return (marks[0] & marks[1] & marks[2] & marks[3]) == UINT32_MAX;
 }
 
-/* The distance at which a ray passes the rectangle; 0: it does not. */
+/* About the solid angle of a rectangle that a ray passes, as its origin sees it; 0: it does not pass. */
 static double passes(const bis_portal *w, const line *r)
 {
     const double *a = w->edge[0], *b = w->edge[1];
@@ -330,7 +332,7 @@ static double passes(const bis_portal *w, const line *r)
     const double c = dot3(n, r->d), t = c != 0 ? dot3(n, v) / c : 0;
     for (int i = 0; i < 3; i++) v[i] = t * r->d[i] - v[i];
     const double x = dot3(v, a) / dot3(a, a), y = dot3(v, b) / dot3(b, b);
-    return t > 0 && isfinite(t) && x >= 0 && x <= 1 && y >= 0 && y <= 1 ? t : 0;
+    return t > 0 && isfinite(t) && x >= 0 && x <= 1 && y >= 0 && y <= 1 ? fabs(c) / (t * t) : 0;
 }
 
 /* ---- all of it ---- */
@@ -414,13 +416,13 @@ static uint32_t choose(bis_portal *windows, search *s)
     uint32_t votes[FOUND] = {0}, n = 0, all = 0;
 
     for (uint32_t i = 0; i < s->n_escaped; i++) {
-        double last = 0;
+        double least = HUGE_VAL;
         uint32_t best = 0;
         for (uint32_t j = 0; j < s->n_found; j++) {
-            const double t = passes(&s->found[j], &s->escaped[i]);
-            if (t > last) last = t, best = j;
+            const double size = passes(&s->found[j], &s->escaped[i]);
+            if (size > 0 && size < least) least = size, best = j;
         }
-        votes[best] += last > 0;
+        votes[best] += least < HUGE_VAL;
     }
     while (join_two(s, votes)) {}
     for (uint32_t j = 0; j < s->n_found; j++) {
