@@ -71,6 +71,11 @@ static const double blinds[] = {2, -.5, 1.05, 2.06, .5, 1.06, 2, -.5, 1.35, 2.06
                              -2.1, -2.1, -.1, 2.1, -2, 3.1, -2.1, 2, -.1, 2.1, 2.1, 3.1},
                     /* a T in place of a rectangle */
                     notch[] = {2, -.5, 1, 2.1, -.2, 1.5, 2, .2, 1, 2.1, .5, 1.5},
+                    /* the open side of a loggia, and of a hangar */
+                    loggia[] = {2.1, -2.1, -.1, 3.6, 2.1, 0, 2.1, -2.1, 3, 3.6, 2.1, 3.1, 2.1, -2.1, -.1, 3.6, -2, 3.1,
+                                2.1, 2, -.1, 3.6, 2.1, 3.1},
+                    hangar[] = {-8, -8, -.3, 8, 8, -.2, -8, -8, 8, 8, 8, 8.1, -8, -8, -.3, -7.9, 8, 8.1,
+                                -8, -8, -.3, 8, -7.9, 8.1, -8, 7.9, -.3, 8, 8, 8.1},
                     things[] = {-9, -9, -.1, 9, 9, 0, 0, 0, 0, 1, 1, 1, 1, -1, 0, 1.5, -.5, 2};
 
 #define WINDOW {0, -.5, .5, 1, 2}
@@ -99,6 +104,8 @@ static const struct row {
     {"turned", {WINDOW, BACK}, .turn = 40, .n = 2, .found = {WINDOW, BACK}},
     {"a window behind a door", {DOOR}, THINGS(next_room), .n = 1, .found = {WINDOW}, .outside = 4.1},
     {"a door that leads nowhere", {DOOR, BACK}, THINGS(chamber), .n = 1, .found = {BACK}},
+    {"a loggia", {WINDOW}, THINGS(loggia), .n = 1, .found = {WINDOW}},
+    {"a house in a hangar", {WINDOW}, THINGS(hangar), .n = 1, .found = {WINDOW}},
     {"on a wide floor", {WINDOW}, .text = "Shape \"trianglemesh\" \"point3 P\" [-9e3 -9e3 -.2 9e3 -9e3 -.2 0 9e3 -.2]",
      .n = 1, .found = {WINDOW}},
     {"a ball", {WINDOW}, .text = "Shape \"sphere\" \"float radius\" .5", .n = 1, .found = {WINDOW}},
