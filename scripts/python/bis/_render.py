@@ -417,8 +417,8 @@ class Scene(Handle):
         if shape is not None:
             face = face[of == whole("shape", shape)]
         if not len(face):
-            raise Error("the scene has no meshes" if not len(of) else
-                        "shape %d has no triangles; others have: %s" % (
+            raise Error("error: the scene has no meshes" if not len(of) else
+                        "error: shape %d has no triangles; others have: %s" % (
                             shape, ", ".join(map(str, np.unique(of)[:8]))))
         used, face = np.unique(face, return_inverse=True)
         found = Mesh(point[used], face.reshape(-1, 3), normal[used])

@@ -62,6 +62,14 @@ class Command(unittest.TestCase):
         with open(os.path.join(self.folder, "e.csv"), encoding="utf-8") as f:
             self.assertEqual(f.read().split("\n")[1:], ["3.14159,3.14159,3.14159,0,0,0"] * 2 + [""])
 
+    def test_a_mesh_without_area_and_a_scene_without_meshes(self):
+        self.save("flat.txt", '''WorldBegin LightSource "infinite" "rgb L" [1 2 4]
+            Shape "trianglemesh" "integer indices" [0 1 2] "point3 P" [0 0 9 0 0 9 0 0 9]''')
+        words, _ = self.run_it("--points", "faces", "{}/flat.txt")
+        self.assertEqual(words.split("\n")[1], "0,0,9,0,0,0" + 6 * ",nan")
+        _, err = self.run_it("--points", "faces", "{}/scene.txt", status=2)
+        self.assertEqual(err, "bis: error: the scene has no meshes\n")
+
     def test_at_the_faces_and_vertices_of_a_mesh_in_lux(self):
         self.save("mesh.txt", '''WorldBegin LightSource "infinite" "rgb L" [1 2 4] Material "diffuse" Shape "disk"
             Shape "trianglemesh" "integer indices" [0 1 2 0 0 1 0 2 3] "point3 P" [0 0 9 2 0 9 2 2 9 0 2 9]''')

@@ -124,8 +124,8 @@ def _largest_text(s: Survey) -> str:
 def _scene_text(convention: str) -> str:
     """The line of a scene that gives its world the axes of a program: columns of the matrix."""
     columns = [" ".join(map(str, (*column, 0))) for column in zip(*FRAMES[convention])]
-    return ("in a scene  Transform [ %s  0 0 0 1 ] before the light: the world's axes are those of "
-            "%s\n" % ("  ".join(columns), convention))
+    return ("in a scene  AttributeBegin Transform [ %s  0 0 0 1 ] LightSource ... AttributeEnd: the "
+            "world's axes are those of %s\n" % ("  ".join(columns), convention))
 
 
 def report_text(path: str, s: Survey, light: Envmap, found: Diagnosis) -> str:

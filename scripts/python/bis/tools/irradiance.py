@@ -167,8 +167,9 @@ def _of_scene(o: SimpleNamespace, operand: str, say: Say) -> tuple[Doubles, Doub
         points = _mesh_points(scene, o.points, o.shape) if is_of_mesh else read_points(o.points)
         E = np.full((len(points), 6), np.nan)
         known = points[:, 3:].any(axis=1) | (not is_of_mesh)
-        found = scene.irradiance(points[known, :3], points[known, 3:], lift=o.lift, **how)
-    E[known] = np.concatenate((found.E, found.interval), axis=1)
+        if known.any():
+            found = scene.irradiance(points[known, :3], points[known, 3:], lift=o.lift, **how)
+            E[known] = np.concatenate((found.E, found.interval), axis=1)
     return points, E
 
 
