@@ -63,8 +63,8 @@ MAPS = {
     'channels': lambda m: m[:, :, ::-1],
     'upper-half': lambda m: np.where(np.arange(len(m))[:, None, None] < len(m) // 2, m, 0),
     'lower-half': lambda m: np.where(np.arange(len(m))[:, None, None] < len(m) // 2, 0, m),
-    'pole-rows': lambda m: np.pad(m[2:-2], ((2, 2), (0, 0), (0, 0))),
-    'seam-columns': lambda m: np.pad(m[:, 1:-1], ((0, 0), (1, 1), (0, 0))),
+    'pole-rows': lambda m: np.pad(m[1:-1], ((1, 1), (0, 0), (0, 0))),
+    'seam-columns': lambda m: np.pad(m[:, :-1], ((0, 0), (0, 1), (0, 0))),
 }
 
 

@@ -17,11 +17,10 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, REJECTED, SMALL, Convention,
-                     Found, Studio, search)
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, CUT, LEVELS, MOST, REJECTED, SMALL,
+                     Convention, Found, Studio, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
-NEAREST = 6  #: causes that are tried by other conventions if none fits by the first
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
@@ -42,21 +41,29 @@ class Case:
 
     @property
     def named(self) -> list[Found]:
-        """The causes that nothing speaks against; mere factors, which may be what is left of
-        another mistake, last."""
-        return sorted((f for f in self.causes if f.verdict.is_right),
-                      key=lambda f: f.name.startswith(ANY_FACTOR))
+        """The causes that nothing speaks against, one of each kind; mere factors last."""
+        fits = [f for f in self.causes if f.verdict.is_right]
+        kinds = [f.kind for f in fits]
+        first = [f._replace(name=f.kind) if kinds.count(f.kind) > 1 else f
+                 for i, f in enumerate(fits) if f.kind not in kinds[:i]]
+        return sorted(first, key=self.is_mere)
+
+    def is_mere(self, cause: Found) -> bool:
+        """Whether a cause dims all by a number that has no reason, which may be what is left of
+        another mistake: a factor, or a cut of the map that makes the picture of a factor."""
+        return cause.name.startswith(ANY_FACTOR) or cause.name.startswith(CUT) and any(
+            f.makes(cause) for f in self.causes if f.name.startswith(ANY_FACTOR))
 
     @property
     def is_told(self) -> bool:
         """Whether a cause is named that is no mere factor."""
-        return bool(self.named) and not self.named[0].name.startswith(ANY_FACTOR)
+        return bool(self.named) and not self.is_mere(self.named[0])
 
     @property
     def is_sure(self) -> bool:
         """Whether one cause is told, or several that make one picture."""
-        return self.is_told and all(judge(self.named[0].truth.copies, f.truth).is_right
-                                    for f in self.named[1:])
+        named = self.named
+        return self.is_told and all(f.makes(named[0]) for f in named[1:])
 
 
 # ---- files ----
@@ -134,9 +141,9 @@ def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
     for like in likes:
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
-        near = {f.key: f.make for f in case.causes[:NEAREST]}
         before = case.causes
-        case.causes = search(studio, thin, case.verdict.noise, rounding, near or None)
+        case.causes = search(studio, thin, case.verdict.noise, rounding,
+                             {f.key: f.make for f in before} or None)
         if case.is_told:
             break
         if before and not case.named:
