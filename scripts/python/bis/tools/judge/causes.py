@@ -24,12 +24,14 @@ import numpy as np
 from ... import Envmap, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
-from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of, tile_means
+from .verdict import (MANY, ROUNDING, Flags, Truth, Verdict, features, fit, judge, outlines_of,
+                      tile_means)
 
 #: Copies of a picture, camera samples of a copy; the last for right pictures alone.
 LEVELS = ((2, 2), (8, 8), (16, 32), (16, 128))
 REJECTED = 1e-10  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
+SIGMAS = 6  #: by which the kit tells causes apart
 ONE = 1e-3  #: of a tile: what differs by less is one picture
 TURNS = 2048  #: of the map, any of which is found
 FINE = 6  #: subpixels along a pixel's side, for films and filters
@@ -128,7 +130,11 @@ class Studio:
         copies = np.array(out, float)
         if self.like.is_separable and not layer:
             fine = copies.shape[1] // len(self.alpha)
-            copies *= self.quotient(separable).repeat(fine, 1).repeat(fine, 2)
+            q = self.quotient(separable)
+            if (light or scene) and self.n >= MANY:  # its own, where pictures are exact
+                other = scene or Scene(self.source, light=light)
+                q = self._quotients(other, light or self.lit)[separable]
+            copies *= q.repeat(fine, 1).repeat(fine, 2)
         return copies
 
     def copies(self, layer: str = "") -> Doubles:
@@ -199,17 +205,22 @@ class Studio:
         rim[3:-3, 3:-3] = False
         return self.truth(c, rim)._replace(spread=(FINE * np.sum(taps ** 2)) ** -2)
 
-    def _quotients(self) -> dict[Weight, Doubles]:
-        weights = [*WEIGHTS.values(), separable]
+    def _quotients(self, other: Optional[Scene] = None,
+                   light: Optional[Envmap] = None) -> dict[Weight, Doubles]:
+        """Of all weights; of another scene, under its light, only that of the masking."""
+        weights = [separable] if other else [*WEIGHTS.values(), separable]
         made = weights
         if self.like.is_separable:
-            made = [lambda *a, w=w: w(*a) * separable(*a) for w in WEIGHTS.values()] + [separable]
+            made = [lambda *a, w=w: w(*a) * separable(*a) for w in weights[:-1]] + [separable]
         q = np.ones((len(weights), self.n) + self.alpha.shape + (3,))
-        stage, rays = self.scene.stage(), max(RAYS, self.spp)
-        for y, x in np.argwhere(self.alpha == 1).tolist():
-            if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
+        stage, rays = (other or self.scene).stage(), max(RAYS, self.spp)
+        for y, x in np.argwhere((self.alpha == 1) & (self.n > 1)).tolist():
+            if not stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
+                continue
+            hit = stage.about()["hit"]
+            if not other or hit["material"]["alpha"] is not None:
                 drawn = stage.rays(runs=self.n, seed=y * 65537 + x, integrator="em", samples=rays)
-                q[:, :, y, x] = _quotients(stage, self.lit, made, self.n, drawn)
+                q[:, :, y, x] = _quotients(stage, hit, light or self.lit, made, self.n, drawn)
         return dict(zip(weights, q))
 
     def quotient(self, weight: Weight) -> Doubles:
@@ -226,11 +237,10 @@ class Studio:
 Make = Callable[[Studio], Optional[Truth]]
 
 
-def _quotients(stage: Any, light: Optional[Envmap], weights: list[Weight], n: int,
-               drawn: Any) -> Doubles:
+def _quotients(stage: Any, hit: dict[str, Any], light: Optional[Envmap], weights: list[Weight],
+               n: int, drawn: Any) -> Doubles:
     """How each weight changes the radiance (weights, n, 3) at a stage's point: pseudo-values of a
     jackknife over n groups of rays. The light has the colours of its map, if that is known."""
-    hit = stage.about()["hit"]
     look = stage.look(drawn.wi)
     part = np.divide(look.product * drawn.seen, look.q_map, out=np.zeros(len(drawn.wi)),
                      where=look.q_map > 0)
@@ -615,3 +625,24 @@ def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUN
             more = _of_numbers(studio, theirs, _open_numbers(found))
             found += _refined(studio, more, theirs, noise, rounding)
     return sorted(found, key=lambda f: (-max(f.verdict.p, REJECTED), _far(f.verdict)))
+
+
+def apart(studio: Studio) -> tuple[list[str], Doubles]:
+    """Names of the right picture and of all causes without a number of their own, (n,), and up to
+    which noise of a tile any two differ by SIGMAS, (n, n): where they differ most, less the error
+    of the pictures."""
+    right = studio.right()
+    makes = {"right": Studio.right, **{k: v for k, v in CAUSES.items() if not k.startswith(FACTOR)},
+             **{k: _of_picture(lambda c, v=v: v * c) for k, v in FACTORS.items()}}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        made = {name: studio.once(make, lambda: make(studio)) for name, make in makes.items()}
+    told = {name: features(right if t is None else t, right) for name, t in made.items()}
+    f = np.array(list(told.values()))
+    noise = []
+    for one in f:
+        d = one - f
+        own = d.var(1, ddof=1) / studio.n
+        own = np.maximum(own, own.mean(0))  # copies may agree by chance
+        noise.append(np.sqrt(np.max(d.mean(1) ** 2 / SIGMAS ** 2 - own, -1, initial=0)))
+    return list(told), np.array(noise)

@@ -18,9 +18,11 @@ from ..command import Say
 from ..survey import heat
 from . import kit
 from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, CUT, LEVELS, MOST, REJECTED, SMALL,
-                     Convention, Found, Studio, search)
+                     Convention, Found, Studio, apart, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
+NOISES = (0.03, 0.01, 0.001)  #: of a tile, at which the kit counts what it tells apart
+NEAREST = 12  #: causes that are tried by other conventions if none fits by the first
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
@@ -143,7 +145,7 @@ def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
         before = case.causes
         case.causes = search(studio, thin, case.verdict.noise, rounding,
-                             {f.key: f.make for f in before} or None)
+                             {f.key: f.make for f in before[:NEAREST]} or None)
         if case.is_told:
             break
         if before and not case.named:
@@ -250,19 +252,30 @@ def write_page(path: str, cases: list[Case], said: str) -> None:
 
 def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
                 level: tuple[int, int] = LEVELS[-1]) -> str:
-    """Write the right pictures of the kit and their standard errors, and list them."""
-    lines = []
+    """Write the right pictures of the kit and their standard errors, and which causes each scene
+    tells apart; return a line for each."""
+    lines, rows = [], ["scene,cause,from_right,from_all,nearest"]
     place = os.path.join(folder, "exact")
     os.makedirs(place, exist_ok=True)
     for name in names:
-        light = Envmap(kit.light(name))
-        studio = Studio(kit.text(name), light, light)
+        studio = studios_of_kit(name)(1, CONVENTIONS[0])
+        studio.at(LEVELS[1])
+        causes, noise = apart(studio)
         studio.at(level)
         copies = studio.right().copies
         mean, error = copies.mean(0), copies.std(0, ddof=1) / math.sqrt(len(copies))
         save_image(os.path.join(place, name + ".exr"), mean)
         save_image(os.path.join(place, name + "-stderr.exr"), error)
-        lines.append("%-16s %.2g %% a pixel. %s\n"
-                     % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
-                        kit.SCENES[name].about))
+        others = noise + np.diag([np.inf] * len(noise))
+        least = others.min(1)[1:]
+        rows += ["%s,%s,%.2g,%.2g,%s" % (name, cause.replace(",", ""), noise[0, i + 1], least[i],
+                                         causes[int(others[i + 1].argmin())].replace(",", ""))
+                 for i, cause in enumerate(causes[1:])]
+        lines.append("%-16s %.2g %% a pixel; tells %s of %d causes apart at a noise of %s a tile. "
+                     "%s\n" % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
+                               ", ".join("%d" % np.sum(least >= s) for s in NOISES), len(least),
+                               ", ".join("%g %%" % (100 * s) for s in NOISES),
+                               kit.SCENES[name].about))
+    with open(os.path.join(folder, "tells.csv"), "w", encoding="utf-8") as f:
+        f.write("\n".join(rows) + "\n")
     return "".join(lines)

@@ -192,6 +192,20 @@ def tile_means(truth: Truth, copies: Doubles) -> Doubles:
     return _Tiles(truth).means(copies.mean(0))
 
 
+def features(truth: Truth, right: Truth) -> Doubles:
+    """What tells a cause's copies (k, h, w, 3) apart, (k, m): means of tiles, and sums of outlines
+    times slopes; as shares of the mean, and so that all have the noise of a tile."""
+    tiles = _Tiles(right)
+    unknown = np.broadcast_to(truth.unknown, right.outlines.shape)[..., None]
+    copies = np.where(unknown, right.copies, truth.copies)
+    at = right.outlines
+    slopes = np.array([s[at] for s in _slopes(right.mean)])
+    size = np.sqrt(np.sum(slopes ** 2, (1, 2)) * tiles.count.mean())
+    slopes /= np.maximum(size, 1e-300)[:, None, None]
+    return np.array([np.append(tiles.means(c), np.sum(slopes * c[at], (1, 2)))
+                     for c in copies]) / right.mean.mean()
+
+
 def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -> Flags:
     """Pixels at outlines: a share is background, normal or depth leap to a neighbour's, or the
     background does."""
