@@ -627,22 +627,24 @@ def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUN
     return sorted(found, key=lambda f: (-max(f.verdict.p, REJECTED), _far(f.verdict)))
 
 
-def apart(studio: Studio) -> tuple[list[str], Doubles]:
-    """Names of the right picture and of all causes without a number of their own, (n,), and up to
-    which noise of a tile any two differ by SIGMAS, (n, n): where they differ most, less the error
-    of the pictures."""
+def apart(studio: Studio, names: Sequence[str] = ()) -> tuple[list[str], Doubles]:
+    """Names of the right picture and of all causes, or some, without a number of their own, (n,),
+    and up to which noise of a tile any two differ by SIGMAS, (n, n): where they differ most, less
+    the error of the pictures."""
     right = studio.right()
-    makes = {"right": Studio.right, **{k: v for k, v in CAUSES.items() if not k.startswith(FACTOR)},
-             **{k: _of_picture(lambda c, v=v: v * c) for k, v in FACTORS.items()}}
+    makes = {k: v for k, v in CAUSES.items() if not k.startswith(FACTOR) and " (pbrt" not in k}
+    makes.update((k, _of_picture(lambda c, v=v: v * c)) for k, v in FACTORS.items())
+    told = {"right": features(right, right)}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        made = {name: studio.once(make, lambda: make(studio)) for name, make in makes.items()}
-    told = {name: features(right if t is None else t, right) for name, t in made.items()}
+        for name in names or makes:
+            if name in makes:
+                told[name] = features(makes[name](studio) or right, right)
     f = np.array(list(told.values()))
     noise = []
     for one in f:
         d = one - f
         own = d.var(1, ddof=1) / studio.n
-        own = np.maximum(own, own.mean(0))  # copies may agree by chance
+        own = np.maximum(own, np.median(own, 0))  # copies may agree by chance
         noise.append(np.sqrt(np.max(d.mean(1) ** 2 / SIGMAS ** 2 - own, -1, initial=0)))
     return list(told), np.array(noise)

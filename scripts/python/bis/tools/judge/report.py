@@ -259,7 +259,7 @@ def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
     os.makedirs(place, exist_ok=True)
     for name in names:
         studio = studios_of_kit(name)(1, CONVENTIONS[0])
-        studio.at(LEVELS[1])
+        studio.at((MANY, 2))
         causes, noise = apart(studio)
         studio.at(level)
         copies = studio.right().copies
