@@ -261,21 +261,21 @@ def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
         studio = studios_of_kit(name)(1, CONVENTIONS[0])
         studio.at((MANY, 2))
         causes, noise = apart(studio)
+        others = noise + np.diag([np.inf] * len(noise))
+        least = others.min(1)[1:]
+        rows += ['%s,"%s",%.2g,%.2g,"%s"' % (name, cause, from_right, from_all, causes[nearest])
+                 for cause, from_right, from_all, nearest
+                 in zip(causes[1:], noise[0, 1:], least, others.argmin(1)[1:])]
         studio.at(level)
         copies = studio.right().copies
         mean, error = copies.mean(0), copies.std(0, ddof=1) / math.sqrt(len(copies))
         save_image(os.path.join(place, name + ".exr"), mean)
         save_image(os.path.join(place, name + "-stderr.exr"), error)
-        others = noise + np.diag([np.inf] * len(noise))
-        least = others.min(1)[1:]
-        rows += ["%s,%s,%.2g,%.2g,%s" % (name, cause.replace(",", ""), noise[0, i + 1], least[i],
-                                         causes[int(others[i + 1].argmin())].replace(",", ""))
-                 for i, cause in enumerate(causes[1:])]
-        lines.append("%-16s %.2g %% a pixel; tells %s of %d causes apart at a noise of %s a tile. "
-                     "%s\n" % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
-                               ", ".join("%d" % np.sum(least >= s) for s in NOISES), len(least),
-                               ", ".join("%g %%" % (100 * s) for s in NOISES),
-                               kit.SCENES[name].about))
+        share = math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300)
+        told = ", ".join("%d at %g %%" % (np.sum(least >= s), 100 * s) for s in NOISES)
+        lines.append("%-16s %.2g %% a pixel; of %d causes it tells from all others, by the noise of "
+                     "a tile: %s. %s\n" % (name, 100 * share, len(least), told,
+                                           kit.SCENES[name].about))
     with open(os.path.join(folder, "tells.csv"), "w", encoding="utf-8") as f:
         f.write("\n".join(rows) + "\n")
     return "".join(lines)
