@@ -107,7 +107,7 @@ class Causes(unittest.TestCase):
         studio.at(causes.LEVELS[2])
         v = verdict.judge(theirs, studio.right())
         self.assertFalse(v.is_right)
-        return causes.search(studio, theirs, v.noise)
+        return causes.search(studio, theirs)
 
     def assert_named(self, found, name):
         self.assertEqual(found[0].name, name)

@@ -592,11 +592,10 @@ def _open_numbers(found: list[Found]) -> list[str]:
             + [cut] * ("the light" in fits))
 
 
-def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: float,
+def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles,
              rounding: float) -> list[Found]:
     """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
-    enough = SMALL * max(noise, rounding)
     for level in LEVELS[:-1]:
         if not causes:
             break
@@ -606,7 +605,8 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
             one = _try(studio, name, make, theirs, rounding)
             if one is None:
                 continue
-            if one.verdict.p < REJECTED or one.verdict.own < enough or level == LEVELS[-2]:
+            enough = one.verdict.own < SMALL * max(one.verdict.noise, rounding)
+            if one.verdict.p < REJECTED or enough or level == LEVELS[-2]:
                 found.append(one)
             else:
                 left[name] = make
@@ -614,16 +614,16 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
     return found
 
 
-def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUNDING,
+def search(studio: Studio, theirs: Doubles, rounding: float = ROUNDING,
            causes: Optional[dict[str, Make]] = None) -> list[Found]:
-    """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong, whose tiles have a
-    noise (a share of the mean). The one that fits best comes first."""
+    """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong. The one that fits
+    best comes first."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a half of a map may be black
-        found = _refined(studio, causes or CAUSES, theirs, noise, rounding)
+        found = _refined(studio, causes or CAUSES, theirs, rounding)
         if causes is None and studio.map is not None:
             more = _of_numbers(studio, theirs, _open_numbers(found))
-            found += _refined(studio, more, theirs, noise, rounding)
+            found += _refined(studio, more, theirs, rounding)
     return sorted(found, key=lambda f: (-max(f.verdict.p, REJECTED), _far(f.verdict)))
 
 

@@ -144,7 +144,7 @@ def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
         before = case.causes
-        case.causes = search(studio, thin, case.verdict.noise, rounding,
+        case.causes = search(studio, thin, rounding,
                              {f.key: f.make for f in before[:NEAREST]} or None)
         if case.is_told:
             break
