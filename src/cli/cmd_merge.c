@@ -49,14 +49,15 @@ static bis_status merge(const merge_options *o, const char *const *parts, int n,
         snprintf(stats.approximated, sizeof stats.approximated, "%s", m->about.approximated);
         bis_render_files_warn_of_counts(&m->result.counters, diag);
         const double before = bis_clock_now();
-        status = bis_render_files_write_pictures(&written, &o->files, &stats, diag);
+        double exposure;
+        status = bis_render_files_write_pictures(&written, &exposure, &o->files, &stats, diag);
         stats.seconds.write = bis_clock_now() - before;
         stats.seconds.total = stats.seconds.parse + stats.seconds.load + stats.seconds.envmap + stats.seconds.accel +
                               stats.seconds.render + bis_clock_now() - start;
         /* also where a picture could not be written: the figures are not lost with it */
         const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
         if (!status) status = other;
-        if (!o->quiet && written.n) bis_render_files_print_result(&written, &stats);
+        if (!o->quiet && written.n) bis_render_files_print_result(&written, exposure, &stats);
     }
     bis_film_clear(&m->film);
     bis_free(m);

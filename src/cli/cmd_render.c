@@ -50,9 +50,10 @@ static void write_so_far(const bis_render_result *result, void *user)
     const render_options *o = user;
     bis_texts written = {.n = 0};
     bis_diag diag = {0};
+    double exposure;
     const bis_stats stats = bis_stats_of(o->desc, bis_scene_figures_of(o->scene), o->scene->seconds, o->film, result);
 
-    if (bis_render_files_write_pictures(&written, &o->files, &stats, &diag) && !o->quiet)
+    if (bis_render_files_write_pictures(&written, &exposure, &o->files, &stats, &diag) && !o->quiet)
         fprintf(stderr, "%sbis: warning: --write-every wrote nothing, the render goes on\n",
                 isatty(STDERR_FILENO) ? "\r\033[K" : "");
     if (!o->quiet) bis_cli_print_diag(&diag, false);
@@ -225,9 +226,9 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
     bis_stats stats = bis_stats_of(desc, bis_scene_figures_of(scene), scene->seconds, &film, &result);
     stats.extent = bis_geometry_primitives(&scene->geometry) > 0 ? &scene->geometry.box : NULL;
     stats.seconds.parse = parse_seconds;
-    double before = bis_clock_now();
+    double before = bis_clock_now(), exposure = NAN;
     status = o->part.share.n ? bis_render_part_write(&o->part, &o->files, &checkpoint, &film, &stats, o->quiet, diag)
-                             : bis_render_files_write_pictures(&written, &o->files, &stats, diag);
+                             : bis_render_files_write_pictures(&written, &exposure, &o->files, &stats, diag);
     stats.seconds.write = bis_clock_now() - before;
     stats.seconds.total = bis_clock_now() - o->start;
     const bis_status other = bis_render_files_write_stats(&o->files, &stats, diag);
@@ -236,7 +237,7 @@ static bis_status run(render_options *o, bis_scene_desc *desc, double parse_seco
         status = bis_error(diag, BIS_IO, bis_cli_loc, "the last checkpoint could not be written to \"%s\"",
                            checkpoint.path);
     *interrupted = bis_cli_signal;
-    if (!o->quiet && written.n) bis_render_files_print_result(&written, &stats);
+    if (!o->quiet && written.n) bis_render_files_print_result(&written, exposure, &stats);
 done:
     bis_checkpoint_clear(&checkpoint);
     bis_film_clear(&film);

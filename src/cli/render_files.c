@@ -6,9 +6,11 @@
 
 #include "bis/base/file.h"
 #include "bis/base/mem.h"
+#include "files/image_png.h"
 #include "progress.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -124,7 +126,7 @@ const char *bis_render_files_why_unknown(const bis_film_error *error)
     return error->has_upper ? "a few pixels carry most of it" : "pixels may not have found their light yet";
 }
 
-void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats)
+void bis_render_files_print_result(const bis_texts *written, double exposure, const bis_stats *stats)
 {
     const bis_render_result *r = stats->result;
     char seconds[BIS_DURATION], error[BIS_PERCENT];
@@ -142,13 +144,15 @@ void bis_render_files_print_result(const bis_texts *written, const bis_stats *st
         fprintf(stderr, "%" PRIu64 " camera sample%s a pixel in %u pass%s, ", r->spp, r->spp == 1 ? "" : "s", r->passes,
                 r->passes == 1 ? "" : "es");
     fprintf(stderr, "%s, ", bis_duration(seconds, r->seconds));
-    if (r->error.is_known) fprintf(stderr, "error about %s\n", bis_percent(error, r->error.relative_rmse));
-    else if (r->error.has_upper) fprintf(stderr, "error at most %s\n", bis_percent_above(error, r->error.upper));
-    else fprintf(stderr, "error unknown: %s\n", bis_render_files_why_unknown(&r->error));
+    if (r->error.is_known) fprintf(stderr, "error about %s", bis_percent(error, r->error.relative_rmse));
+    else if (r->error.has_upper) fprintf(stderr, "error at most %s", bis_percent_above(error, r->error.upper));
+    else fprintf(stderr, "error unknown: %s", bis_render_files_why_unknown(&r->error));
+    if (!isnan(exposure)) fprintf(stderr, "; exposure %.4g", exposure);
+    fputs("\n", stderr);
 }
 
-bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_files *files, const bis_stats *stats,
-                                           bis_diag *diag)
+bis_status bis_render_files_write_pictures(bis_texts *written, double *exposure, const bis_render_files *files,
+                                           const bis_stats *stats, bis_diag *diag)
 {
     const bis_film *f = stats->film;
     float *rgba = bis_alloc((size_t)f->width * (size_t)f->height, 4 * sizeof *rgba);
@@ -176,7 +180,11 @@ bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_
         .has_exposure = files->has_exposure,
         .exposure = files->exposure,
     };
+    *exposure = NAN;
     for (int i = 0; i < files->pictures.n; i++) {
+        char ending[8];
+        if (strcmp(bis_path_extension(ending, files->pictures.text[i]), ".png") == 0)
+            *exposure = bis_png_exposure(&picture);
         bis_status status = bis_image_write(files->pictures.text[i], &picture, diag);
         if (!status) written->text[written->n++] = files->pictures.text[i];
         if (!first) first = status;

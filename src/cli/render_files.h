@@ -26,9 +26,10 @@ void bis_render_files_warn_of_alpha(const bis_texts *outfiles, bis_diag *diag);
 bis_status bis_render_files_check_distinct(const bis_render_files *files, const bis_scene_desc *desc, bis_diag *diag);
 
 /* bis_render_files_write_pictures writes all pictures. It tries each file even if one fails, because hours of rendering
- * should end up somewhere; *written receives the paths that were written, the status is that of the first failure. */
-bis_status bis_render_files_write_pictures(bis_texts *written, const bis_render_files *files, const bis_stats *stats,
-                                           bis_diag *diag);
+ * should end up somewhere; *written receives the paths that were written, *exposure that of a PNG, in EV (NAN: none was
+ * written), the status is that of the first failure. */
+bis_status bis_render_files_write_pictures(bis_texts *written, double *exposure, const bis_render_files *files,
+                                           const bis_stats *stats, bis_diag *diag);
 
 /* bis_render_files_write_stats writes the JSON of --stats, if it is asked for. Errors: BIS_IO. */
 bis_status bis_render_files_write_stats(const bis_render_files *files, const bis_stats *stats, bis_diag *diag);
@@ -36,9 +37,9 @@ bis_status bis_render_files_write_stats(const bis_render_files *files, const bis
 /* bis_render_files_why_unknown returns the reason, as words, why an error is not known. */
 const char *bis_render_files_why_unknown(const bis_film_error *error);
 
-/* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time and
- * error. */
-void bis_render_files_print_result(const bis_texts *written, const bis_stats *stats);
+/* bis_render_files_print_result prints one line to standard error: what was written, camera samples, passes, time,
+ * error, and the exposure that bis_render_files_write_pictures stored. */
+void bis_render_files_print_result(const bis_texts *written, double exposure, const bis_stats *stats);
 
 /* bis_render_files_warn_of_counts warns if there were estimates that are not finite, or light beside all portals. */
 void bis_render_files_warn_of_counts(const bis_counters *counters, bis_diag *diag);

@@ -94,8 +94,8 @@ static bis_status read_attributes(bis_attribute *all, char names[][MOST_NAME], i
     return BIS_OK;
 }
 
-bis_status bis_do_image_save(const char *path, int width, int height, const float *pixels, double exposure,
-                             const char *const *attributes, bis_diag *diag)
+bis_status bis_do_image_save(const char *path, int width, int height, const float *pixels, const float *alpha,
+                             double exposure, const char *const *attributes, bis_diag *diag)
 {
     bis_image image = {0};
     bis_channel channels[4];
@@ -107,6 +107,8 @@ bis_status bis_do_image_save(const char *path, int width, int height, const floa
     if (!status) status = bis_flat_image_of(&image, width, height, 3, pixels, diag);
     if (!status) {
         bis_picture picture = bis_image_picture(&image, channels);
+        channels[3] = (bis_channel){"A", alpha, 1};
+        picture.n_channels = alpha ? 4 : 3;
         picture.attributes = all;
         picture.n_attributes = n;
         picture.has_exposure = !isnan(exposure);

@@ -164,6 +164,30 @@ bis_status bis_do_scene_points(bis_flat_scene *scene, int width, int height, con
     return BIS_OK;
 }
 
+void bis_flat_scene_mesh(const bis_flat_scene *scene, size_t size[2], float *point, float *normal, uint32_t *face,
+                         uint32_t *shape)
+{
+    if (!scene || !size) return;
+    const bis_geometry *g = &scene->scene->geometry;
+    size_t range = 0;
+    uint32_t k = 0;
+    size[0] = g->n_vertices;
+    size[1] = g->n_triangles;
+    if (!point || !normal || !face || !shape) return;
+    for (size_t i = 0; i < g->n_vertices; i++) {
+        const vec3 p = g->p[i], n = g->n ? g->n[i] : (vec3){0, 0, 0};
+        memcpy(point + 3 * i, (float[]){p.x, p.y, p.z}, 3 * sizeof *point);
+        memcpy(normal + 3 * i, (float[]){n.x, n.y, n.z}, 3 * sizeof *normal);
+    }
+    for (size_t i = 0; i < g->n_triangles; i++) {
+        const uint32_t *v = g->index + 3 * i;
+        while (scene->scene->shape_end[k] <= i) k++;
+        while (range + 1 < g->n_ranges && g->ranges[range + 1].first <= i) range++;
+        memcpy(face + 3 * i, g->ranges[range].mirrored ? (uint32_t[]){v[0], v[2], v[1]} : v, 3 * sizeof *face);
+        shape[i] = k;
+    }
+}
+
 /* Whether a map with the settings of a is that with the settings of b. */
 static bool is_same_light(const bis_light_desc *a, const bis_light_desc *b)
 {

@@ -109,7 +109,7 @@ bis_status bis_do_marsaglia(size_t n, const uint32_t *w, size_t room, uint32_t *
     if (!status && m.length > room)
         status = bis_flat_refuse(diag, "the list has %zu items, the array has room for %zu", m.length, room);
     if (!status) {
-        memcpy(list, m.list, m.length * sizeof *list);
+        if (m.length) memcpy(list, m.list, m.length * sizeof *list);
         *length = (uint32_t)m.length;
     }
     bis_marsaglia_clear(&m);

@@ -29,13 +29,13 @@ static bool is_model(bis_parser *p, bis_loc at, const char *path)
 /* The mesh of a file: a new one, or the one that has been named before. Takes over path. */
 static bool file_mesh(bis_parser *p, char *path, const bis_mesh_desc *desc, uint32_t *index)
 {
-    const size_t room = strlen(path) + 4;
-    char *key = bis_alloc(room, 1); /* kind, smooth, parts, path */
+    const size_t room = strlen(path) + 40;
+    char *key = bis_alloc(room, 1); /* kind, smooth, parts, up, fit, path */
     bis_mesh_desc mesh = *desc;
     bool ok = key != NULL;
 
-    if (ok) snprintf(key, room, "%c%c%c%s", desc->kind == BIS_SHAPE_PLY ? 'p' : 'o', desc->smooth ? 's' : 'f',
-                     desc->has_parts ? 'm' : '-', path);
+    if (ok) snprintf(key, room, "%c%c%c%c%a %s", desc->kind == BIS_SHAPE_PLY ? 'p' : 'o', desc->smooth ? 's' : 'f',
+                     desc->has_parts ? 'm' : '-', desc->is_y_up ? 'y' : 'z', desc->fit, path);
     if (ok && bis_names_find(&p->mesh_names, key, index)) {
         bis_free(path);
     } else if (ok && is_model(p, desc->loc, path)) {
@@ -59,6 +59,12 @@ static bool read_file(bis_parser *p, bis_shape_desc *shape)
     bis_mesh_desc mesh = {.kind = shape->kind};
     bis_params_bool(p, "smooth", &mesh.smooth);
     if (shape->kind == BIS_SHAPE_OBJ) bis_params_bool(p, "materials", &mesh.has_parts);
+    if (bis_params_float(p, "fit", &mesh.fit, (bis_interval){0, HUGE_VAL, true, true})) {
+        static const char *const axes[] = {"z", "y"};
+        int up = 0;
+        bis_params_choice(p, "up", &up, axes, BIS_COUNT(axes));
+        mesh.is_y_up = up == 1;
+    }
     const bool given = bis_params_has(p, "filename");
     const bis_loc at = bis_params_at(p, "filename");
     if (!bis_params_string(p, "filename", &name)) {

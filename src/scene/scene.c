@@ -80,9 +80,29 @@ static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bool wants_u
     return status;
 }
 
+/* What puts a mesh of this box on the origin: the middle of its lowest side comes there. A box without a side stays as
+ * large as it is. */
+static bis_xform fit_of(const bis_mesh *m, const bis_mesh_desc *desc)
+{
+    bis_box b = {{HUGE_VALF, HUGE_VALF, HUGE_VALF}, {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF}};
+
+    if (!(desc->fit > 0)) return bis_xform_identity();
+    for (size_t i = 0; i < 3 * m->n_triangles; i++) bis_box_include(&b, m->p[m->index[i]]);
+    const double lo[3] = {(double)b.lo.x, (double)b.lo.y, (double)b.lo.z};
+    const double side[3] = {(double)b.hi.x - lo[0], (double)b.hi.y - lo[1], (double)b.hi.z - lo[2]};
+    const double longest = fmax(fmax(side[0], side[1]), side[2]), s = longest > 0 ? desc->fit / longest : 1;
+    double origin[3];
+    for (int k = 0; k < 3; k++) origin[k] = lo[k] + (k == (desc->is_y_up ? 1 : 2) ? 0 : side[k] / 2);
+    const bis_xform move = bis_xform_translate(-origin[0], -origin[1], -origin[2]);
+    const bis_xform turn = bis_xform_rotate(desc->is_y_up ? 90 : 0, 1, 0, 0), size = bis_xform_scale(s, s, s);
+    const bis_xform placed = bis_xform_compose(&size, &move);
+    return bis_xform_compose(&turn, &placed);
+}
+
 /* A mesh while it is in use. */
 typedef struct loaded {
     bis_mesh mesh;
+    bis_xform fit;
     bis_mesh_parts parts; /* of a mesh that has_parts */
     size_t shapes_left; /* that still want it */
     bool is_read, wants_uv;
@@ -102,18 +122,20 @@ static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc
     if (!status && !l->is_read && desc->has_parts)
         status = bis_mesh_sort_parts(&l->parts, &l->mesh, desc->n_parts + 1, diag);
     if (status) return status;
+    if (!l->is_read) l->fit = fit_of(&l->mesh, desc);
     l->is_read = true;
+    const bis_xform to_world = desc->fit > 0 ? bis_xform_compose(&shape->to_world, &l->fit) : shape->to_world;
     const bool last = --l->shapes_left == 0;
     if (desc->has_parts) {
         status = bis_mesh_take_part(&own, &l->mesh, &l->parts, shape->part, diag);
-        if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
+        if (!status) status = bis_geometry_add_mesh(g, &own, &to_world, shape->material, diag);
         bis_mesh_clear(&own);
     } else if (!last && g->n_vertices == 0) { /* the first mesh may be moved into the geometry: others want it, too */
         status = copy_mesh(&own, &l->mesh, desc->loc, diag);
-        if (!status) status = bis_geometry_add_mesh(g, &own, &shape->to_world, shape->material, diag);
+        if (!status) status = bis_geometry_add_mesh(g, &own, &to_world, shape->material, diag);
         bis_mesh_clear(&own);
     } else {
-        status = bis_geometry_add_mesh(g, &l->mesh, &shape->to_world, shape->material, diag);
+        status = bis_geometry_add_mesh(g, &l->mesh, &to_world, shape->material, diag);
     }
     if (last) clear_loaded(l);
     return status;

@@ -377,7 +377,8 @@ static void the_last_line_tells_how_a_render_ended(void **state)
          "bis: interrupted after 4 camera samples a pixel; wrote a.exr, b.png, c.pfm: 24 x 16 pixels, 4 camera samples "
          "a pixel in 3 passes, 0.5 s, error unknown: pixels may not have found their light yet\n"},
         {{.spp = 4, .passes = 2, .seconds = 1, .error = {.relative_rmse = 0.1, .upper = 0.123, .has_upper = true}}, 1,
-         "bis: wrote a.exr: 24 x 16 pixels, 4 camera samples a pixel in 2 passes, 1 s, error at most 13%\n"},
+         "bis: wrote a.exr: 24 x 16 pixels, 4 camera samples a pixel in 2 passes, 1 s, error at most 13%; exposure "
+         "-1.5\n"},
         {{.spp = 4000000000, .passes = 2, .seconds = 50, .error = {.relative_rmse = 0.125, .is_known = true}}, 1,
          "bis: wrote a.exr: 24 x 16 pixels, 4000000000 camera samples a pixel in 2 passes, 50 s, error about 12%\n"},
     };
@@ -388,7 +389,7 @@ static void the_last_line_tells_how_a_render_ended(void **state)
         const bis_stats stats = {.film = &film, .result = &cases[i].r};
         char text[512];
         const int err = redirect(stderr, "build/test_cli.err");
-        bis_render_files_print_result(&written, &stats);
+        bis_render_files_print_result(&written, i == 4 ? -1.5 : no, &stats);
         restore(stderr, err, "build/test_cli.err", text, sizeof text);
         assert_string_equal(text, cases[i].said);
     }

@@ -251,6 +251,24 @@ class Pictures(unittest.TestCase):
         self.assertTrue((pictures[0].rgb == pictures[1].rgb).all())
         self.assertFalse((pictures[0].rgb == pictures[2].rgb).all())  # twin: without normals and uv
 
+    def test_a_model_stands_where_fit_puts_it(self):
+        # A box of 4 x 2 x 1 far away; the vertex that no face has does not count.
+        with open(os.path.join(self.folder.name, "far.obj"), "w") as f:
+            f.write("v 100 7 3\nv 100 9 3\nv 104 7 4\nv 9999 0 0\nf 1 2 3\nusemtl other\nf 3 2 1\n")
+        begin = SCENE[:SCENE.index("Material")] + 'Translate 0 0 5 Shape "objmesh" "string filename" "far.obj" '
+        corners = {'"float fit" 2': [(-1, -0.5, 5), (-1, 0.5, 5), (1, -0.5, 5.5)],
+                   '"float fit" 8 "string up" "y" "bool materials" true': [(-4, 1, 5), (-4, 1, 9), (4, -1, 5)],
+                   '"float fit" 2 "bool smooth" true ' + begin[begin.index("Translate"):]: [
+                       (-1, -0.5, 5), (-1, 0.5, 5), (1, -0.5, 5.5), (100, 7, 13), (100, 9, 13), (104, 7, 14)]}
+        for words, expected in corners.items():
+            with open(self.scene, "w") as f:
+                f.write(begin + words)
+            mesh = bis.Scene(self.scene, approximate=True).mesh()
+            np.testing.assert_allclose(np.unique(mesh.vertices, axis=0), np.unique(expected, axis=0), atol=1e-5,
+                                       err_msg=words)
+        with self.assertRaisesRegex(bis.Error, 'unknown parameter "up"'):
+            bis.Scene(begin + '"string up" "y"')
+
     def test_approximate_replaces_and_warns(self):
         glass = SCENE[:SCENE.index("Material")] + 'Material "dielectric" Shape "sphere"'
         with self.assertRaises(bis.Error):
@@ -519,6 +537,28 @@ class Page(unittest.TestCase):
         finally:
             os.chdir(old)
         self.assertEqual(space["picture"].layers["albedo"].shape, (30, 80, 3))
+
+    def test_the_floor_of_the_page_catches_shadows(self):
+        with open(os.path.join(ROOT, "docs/show.md")) as f:
+            example = f.read().split("```python\n")[1].split("```")[0]
+        small = example.replace("width=240, height=160", "width=48, height=32")
+        small = small.replace("width=120, height=80", "width=6, height=4")
+        with tempfile.TemporaryDirectory() as folder:
+            space, old = {}, os.getcwd()
+            os.chdir(folder)
+            os.symlink(os.path.join(ROOT, "data"), "data")
+            try:
+                exec(compile(small, "docs/show.md", "exec"), space)
+                self.assertEqual(len(os.listdir("build/show")), 8 + 2 + 2 * 20)
+            finally:
+                os.chdir(old)
+        # Over the floor's own light, the transparent picture is that of both. Twin: the model without its shadow.
+        whole = space["scene"](space["MODEL"] + "true " + space["GREY"] + space["FLOOR"])
+        both = whole.render(camera=space["camera"], **space["size"]).rgb.sum(2)
+        floor, colours = space["floor"].sum(2), space["colours"].sum(2)
+        self.assertLess(np.mean(abs(colours + (1 - space["alpha"]) * floor - both)), 0.02 * both.mean())
+        covered = whole.render(camera=space["camera"], layers="albedo", **space["size"]).layers["albedo"][..., 0] != 0.5
+        self.assertGreater(np.mean(abs(np.where(covered, colours, floor) - both)), 0.05 * both.mean())
 
 
 class Notebooks(unittest.TestCase):

@@ -137,6 +137,28 @@ class Points(unittest.TestCase):
             self.assertTrue((abs(mean - 0.97 * E) > 4 * spread / np.sqrt(300)).all())  # twin
             self.assertGreater((abs(found.E - E) <= found.interval + 1e-5 * E).mean(), 0.9)
 
+    def test_the_triangles_of_a_scene(self):
+        triangle = 'Shape "trianglemesh" "integer indices" [0 1 2] "point3 P" [0 0 0  1 0 0  0 1 0  7 7 7]'
+        scene = bis.Scene(SCENE % ('''Shape "sphere"
+            AttributeBegin Translate 1 2 3 %s AttributeEnd
+            AttributeBegin Scale -2 1 1 %s "normal N" [0 0 -1  0 0 -1  0 0 -1  0 0 -1] AttributeEnd
+            ObjectBegin "a" %s ObjectEnd
+            Rotate 90 0 0 1 ObjectInstance "a"''' % (triangle, triangle, triangle)))
+        corners = {1: [(1, 2, 3), (2, 2, 3), (1, 3, 3)], 2: [(0, 0, 0), (0, 1, 0), (-2, 0, 0)],  # a mirrored one turns
+                   3: [(0, 0, 0), (0, 1, 0), (-1, 0, 0)]}
+        for shape, p in corners.items():
+            mesh = scene.mesh(shape)
+            self.assertEqual(len(mesh.vertices), 3)
+            np.testing.assert_allclose(mesh.vertices[mesh.faces[0]], p, atol=1e-6)
+            np.testing.assert_allclose(mesh.crosses()[0], (0, 0, 2 if shape == 2 else 1), atol=1e-6)
+            np.testing.assert_allclose(mesh.normals, [(0, 0, -1 if shape == 2 else 1)] * 3, atol=1e-6)
+        whole = scene.mesh()
+        np.testing.assert_allclose(whole.centres(), np.mean([corners[k] for k in (1, 2, 3)], axis=1), atol=1e-6)
+        with self.assertRaisesRegex(bis.Error, "shape 0 has no triangles; others have: 1, 2, 3"):
+            scene.mesh(0)
+        with self.assertRaisesRegex(bis.Error, "no meshes"):
+            bis.Scene(SCENE % 'Shape "sphere"').mesh()
+
     def test_on_a_mesh_no_point_shadows_itself_and_order_does_not_count(self):
         rng = np.random.default_rng(7)
         p = rng.random((700, 3)) * (8, 8, 0) - (4, 4, -1e3)  # three digits before the point
@@ -186,6 +208,8 @@ class Points(unittest.TestCase):
         for what in ({"width": 99}, {"step": 2}, {"crop": "0,0.5,0,1"}, {"camera": 'Camera "perspective"'}):
             with self.assertRaisesRegex(bis.Error, "points stand in the place of pixels"):
                 scene.irradiance(many, many, **what)
+        with self.assertRaisesRegex(bis.Error, "no layers"):
+            scene.irradiance(many, many, layers="albedo")
         with self.assertRaisesRegex(bis.Error, "no shapes"):
             bis.Scene(SCENE % "").irradiance(up, up)
 

@@ -21,10 +21,11 @@ void bis_flat_image_place(const bis_flat_image *image, int shape[2], int place[4
 void bis_flat_image_pixels(const bis_flat_image *image, float *pixels);
 
 /* bis_flat_image_save writes pixels[height][width][3] in the format of the ending of path: .exr (float32), .pfm, .hdr,
- * .png. A .png has the exposure, in EV; NaN: that of its own log-average. An .exr has the attributes (may be NULL), a
- * list of "name=text" that ends with NULL. Errors: those of bis_image_write, BIS_INPUT (a size, an attribute). */
-int bis_flat_image_save(const char *path, int width, int height, const float *pixels, double exposure,
-                        const char *const *attributes, char *say, size_t size);
+ * .png. An .exr and a .png have alpha (may be NULL), alpha[height][width], by which pixels are premultiplied. A .png
+ * has the exposure, in EV; NaN: that of its own log-average. An .exr has the attributes (may be NULL), a list of
+ * "name=text" that ends with NULL. Errors: those of bis_image_write, BIS_INPUT (a size, an attribute). */
+int bis_flat_image_save(const char *path, int width, int height, const float *pixels, const float *alpha,
+                        double exposure, const char *const *attributes, char *say, size_t size);
 
 /* bis_flat_image_png makes a PNG of pixels[height][width][3] in bytes[room], of which *length are used, with the
  * exposure in EV. Errors: BIS_INPUT (a size, too little room), BIS_NOMEM. */

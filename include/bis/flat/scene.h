@@ -38,6 +38,13 @@ int bis_flat_scene_render(bis_flat_picture **picture, bis_flat_scene *scene, con
 int bis_flat_scene_points(bis_flat_scene *scene, int width, int height, const float *point, const float *normal,
                           char *say, size_t size);
 
+/* bis_flat_scene_mesh stores the triangles of an open scene in world space: size[2], the numbers of vertices and faces;
+ * point[vertices][3] and normal[vertices][3] (may be NULL; 0 0 0: the vertex has none), face[faces][3] (may be NULL),
+ * counterclockwise from outside, and shape[faces] (may be NULL), the number of its shape in the scene. point (may be
+ * NULL): to learn the size. */
+void bis_flat_scene_mesh(const bis_flat_scene *scene, size_t size[2], float *point, float *normal, uint32_t *face,
+                         uint32_t *shape);
+
 /* bis_flat_scene_about returns as JSON what such a picture would be of: the film, the integrator with its parameters,
  * as a line of a scene and as options, the seed, the light. *text belongs to the scene, until the next call. Errors:
  * BIS_INPUT (a setting), BIS_NOMEM. */

@@ -41,6 +41,8 @@ typedef struct bis_mesh_desc {
     bis_shape_kind kind; /* PLY, OBJ, TRIANGLES */
     char *filename;      /* PLY, OBJ: resolved path */
     bool smooth;         /* compute vertex normals if the file has none */
+    double fit;          /* PLY, OBJ: above 0: it stands on the origin, and its longest side is this */
+    bool is_y_up;        /* with fit: turned, so that its y is z */
     bool has_parts;      /* OBJ: its shapes are its parts, see bis_shape_desc.part */
     size_t n_parts;      /* names of materials that the file had when it was described */
     bis_mesh mesh;       /* TRIANGLES */

@@ -89,8 +89,17 @@ def read_image(path: Path) -> tuple[Floats, Place]:
     return pixels, Place(*place)
 
 
+def _weights(name: str, values: Optional[ArrayLike], picture: Floats) -> Optional[Floats]:
+    """A value for each pixel of a picture, if there are values."""
+    a = None if values is None else np.ascontiguousarray(values, np.float32)
+    if a is not None and a.shape != picture.shape[:2]:
+        raise Error("%s has the shape %s: give %s" % (name, a.shape, picture.shape[:2]))
+    return a
+
+
 def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
-               attributes: Optional[Mapping[str, str]] = None) -> None:
+               attributes: Optional[Mapping[str, str]] = None, *,
+               alpha: Optional[ArrayLike] = None) -> None:
     """Write a picture, under a temporary name that is renamed at the end.
 
     Parameters
@@ -103,6 +112,8 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
         Of a .png, in EV; without it, the log-average of the picture becomes middle grey.
     attributes : dict of str, optional
         Texts for the header of an .exr, as ``{"bis:mapping": "angular"}`` for a map.
+    alpha : array (h, w), optional
+        Of an .exr and a .png; pixels are premultiplied by it.
 
     Raises
     ------
@@ -111,8 +122,10 @@ def save_image(path: Path, pixels: ArrayLike, exposure: Optional[float] = None,
     """
     a = _picture("pixels", pixels)
     ev = float("nan") if exposure is None else real("exposure", exposure)
+    shares = _weights("alpha", alpha, a)
     said = [text_bytes("an attribute", "%s=%s" % pair) for pair in (attributes or {}).items()]
-    call(flat.image_save, text_bytes("path", path), a.shape[1], a.shape[0], a, ev, texts(said))
+    call(flat.image_save, text_bytes("path", path), a.shape[1], a.shape[0], a, shares, ev,
+         texts(said))
 
 
 def png(pixels: ArrayLike, exposure: float) -> bytes:
@@ -148,9 +161,7 @@ def exposure_of(pixels: ArrayLike, coverage: Optional[ArrayLike] = None) -> floa
         The shapes do not fit.
     """
     a = _picture("pixels", pixels)
-    weights = None if coverage is None else np.ascontiguousarray(coverage, np.float32)
-    if weights is not None and weights.shape != a.shape[:2]:
-        raise Error("coverage has the shape %s: give %s" % (weights.shape, a.shape[:2]))
+    weights = _weights("coverage", coverage, a)
     found = ctypes.c_double()
     call(flat.image_exposure, ctypes.byref(found), a.shape[1], a.shape[0], a, weights)
     return found.value

@@ -13,22 +13,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import Doubles, Error, array
+from ._frames import FRAMES
+from ._library import Doubles, Error, Floats, array
 
 if TYPE_CHECKING:
     from ._render import Scene
     from ._sampling import Envmap
 
-#: World axes of programs that show a lat-long picture as `bis` shows it: the rows give their x, y
-#: and z in the map's own frame, with phi = 0 at column 0 and z up. docs/command-line.md has the
-#: sources.
-FRAMES = {
-    "bis": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "blender": ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    "mitsuba": ((0, 1, 0), (0, 0, 1), (-1, 0, 0)),
-    "three": ((-1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    "unity": ((-1, 0, 0), (0, 0, 1), (0, 1, 0)),
-}
 NODES = 3  #: of Gauss and Legendre in a row, at least
 SMALL = 16  #: rows or columns: where there are fewer, more nodes
 LATITUDES = 1024  #: of the whole map, at least: where a horizon begins, the integrand has a bend
@@ -119,7 +110,7 @@ def irradiance(light: Envmap, normals: ArrayLike) -> Doubles:
     return arriving(light.pixels, n / length)
 
 
-def _moments(pixels: Doubles) -> Doubles:
+def _moments(pixels: NDArray[Any]) -> Doubles:
     """The integrals of L v v^T for v = (1, x, y, z), (4, 4, colours): all of degree 2."""
     height, width = pixels.shape[:2]
     theta, weight = _latitudes(height, NODES + SMALL // height)
@@ -128,10 +119,15 @@ def _moments(pixels: Doubles) -> Doubles:
     sin, cos, one = np.sin(theta), np.cos(theta), np.ones_like(theta)
     along = np.stack((np.ones_like(phi), np.cos(phi), np.sin(phi)))  # of 1 and z, x, y
     circle = np.einsum("iwp,jwp,p->ijw", along, along, share * (np.pi / width))
-    rows = np.einsum("ijw,hwc->ijhc", circle, pixels, optimize=True)
-    which = (0, 1, 2, 0)
     down = np.einsum("iht,jht,ht->ijh", *2 * (np.stack((one, sin, sin, cos)),), weight * sin)
-    return np.einsum("ijh,ijhc->ijc", down, rows[np.ix_(which, which)])
+    which = np.ix_(*2 * ((0, 1, 2, 0),))
+    total = np.zeros((4, 4, pixels.shape[2]))
+    step = max(CELLS // width, 1)
+    for y in range(0, height, step):
+        some = pixels[y:y + step].astype(np.float64)
+        rows = np.einsum("ijw,hwc->ijhc", circle, some, optimize=True)
+        total += np.einsum("ijh,ijhc->ijc", down[..., y:y + step], rows[which])
+    return total
 
 
 # ---- points of a scene ----
@@ -187,6 +183,8 @@ def _order(p: Doubles, n: Doubles) -> NDArray[np.intp]:
 def at_points(scene: Scene, points: ArrayLike, normals: ArrayLike, lift: Optional[float],
               **settings: Any) -> Arriving:
     """See `Scene.irradiance`."""
+    if "layers" in settings:
+        raise Error("irradiance at points has no layers: leave them out")
     p, n = (array(a, 3, np.float64, name) for a, name in ((points, "points"), (normals, "normals")))
     if p.shape != n.shape or not len(p):
         raise Error("%d points have %d normals: give one to each" % (len(p), len(n)))
@@ -278,15 +276,19 @@ def _error(wrong: Doubles, scale: Doubles) -> tuple[float, float]:
 
 def harmonics(light: Envmap, frame: str = "bis") -> Harmonics:
     """See `Envmap.harmonics`."""
+    return project(light.pixels, frame)
+
+
+def project(pixels: Floats, frame: str) -> Harmonics:
+    """The harmonics of pixels (h, w, 3) of a lat-long map."""
     if frame not in FRAMES:
         raise Error("frame is \"%s\": give one of %s" % (frame, ", ".join(FRAMES)))
     axes = np.eye(4)
     axes[1:, 1:] = FRAMES[frame]
-    pixels = light.pixels.astype(np.float64)
     radiance = _project(np.einsum("ai,bj,ijc->abc", axes, axes, _moments(pixels)))
     after = radiance * _COSINE[:, None]
     n = sphere(NORMALS)
-    grey = pixels.sum(2, keepdims=True)
+    grey = pixels.sum(2, keepdims=True, dtype=np.float64)
     while grey.shape[1] > WIDEST and grey.shape[0] % 2 == grey.shape[1] % 2 == 0:
         grey = (grey[::2, ::2] + grey[1::2, ::2] + grey[::2, 1::2] + grey[1::2, 1::2]) / 4
     exact = arriving(grey, n)[:, 0]

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, Callable, NamedTuple, Optional, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import D, P, TEXT, Floats, Handle, WrongType, call, filled, flat, judge, opened
+from ._library import D, P, TEXT, Error, Floats, Handle, WrongType, call, filled, flat, judge, opened
 from ._library import real, run, shape, text_bytes, texts, whole
 from ._sampling import Envmap
-from ._scene import Camera
+from ._scene import Camera, Mesh
 
 if TYPE_CHECKING:
     from ._irradiance import Arriving
@@ -393,6 +393,40 @@ class Scene(Handle):
         """
         from ._irradiance import at_points
         return at_points(self, points, normals, lift, **settings)
+
+    def mesh(self, shape: Optional[int] = None) -> Mesh:
+        """Take the triangles of the scene, in world space.
+
+        Parameters
+        ----------
+        shape : int, optional
+            The number of one of its shapes, from 0, each instance of an object counted; without
+            it, all that are meshes.
+
+        Returns
+        -------
+        Mesh
+            Vertices, faces that turn counterclockwise from outside, and normals of the vertices;
+            where the scene has none, the mean of the faces' by area.
+        """
+        size = (ctypes.c_size_t * 2)()
+        flat.scene_mesh(self._handle, size, None, None, None, None)
+        point, normal = np.empty((2, size[0], 3), np.float32)
+        face, of = np.empty((size[1], 3), np.uint32), np.empty(size[1], np.uint32)
+        flat.scene_mesh(self._handle, size, *(a.ctypes.data for a in (point, normal, face, of)))
+        if shape is not None:
+            face = face[of == whole("shape", shape)]
+        if not len(face):
+            raise Error("the scene has no meshes" if not len(of) else
+                        "shape %d has no triangles; others have: %s" % (
+                            shape, ", ".join(map(str, np.unique(of)[:8]))))
+        used, face = np.unique(face, return_inverse=True)
+        found = Mesh(point[used], face.reshape(-1, 3), normal[used])
+        sums = np.stack([np.bincount(found.faces.ravel(), np.repeat(a, 3), len(used))
+                         for a in found.crosses().T], axis=1)
+        lacking = ~found.normals.any(axis=1)
+        found.normals[lacking] = sums[lacking]
+        return found
 
     def _of_points(self, points: Floats, normals: Floats, settings: dict[str, Any]) -> Picture:
         """The picture in which points (h, w, 3) stand in the place of pixels."""

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._library import Error, WrongType, array, real
+from ._library import Doubles, Error, WrongType, array, real
 
 
 def _words(a: NDArray[np.generic]) -> str:
@@ -54,6 +54,15 @@ class Mesh:
         if not len(self.faces) or self.faces.min() < 0 or self.faces.max() >= n:
             raise Error("faces has %d rows: give 1 or more, of vertices 0 to %d"
                         % (len(self.faces), n - 1))
+
+    def crosses(self) -> Doubles:
+        """Normals of the faces, as long as twice their areas, (m, 3)."""
+        a, b, c = self.vertices[self.faces.T].astype(np.float64)
+        return np.cross(b - a, c - a)
+
+    def centres(self) -> Doubles:
+        """Middles of the faces, (m, 3)."""
+        return self.vertices[self.faces].astype(np.float64).mean(axis=1)
 
     def __str__(self) -> str:
         text = 'Shape "trianglemesh" "integer indices" [%s] "point3 P" [%s]' % (

@@ -12,7 +12,7 @@ import numpy as np
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
 sys.path.insert(0, os.path.join(ROOT, "scripts/python"))
 import bis  # noqa: E402
-from bis.tools import doctor  # noqa: E402
+from bis.tools import doctor, survey  # noqa: E402
 
 
 def ours(name):
@@ -86,7 +86,8 @@ PLANTED = {
 def found(p):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return doctor.find(bis.Envmap(np.ascontiguousarray(p, np.float32)))
+        m = survey.Map(bis.Envmap(np.ascontiguousarray(p, np.float32)))
+        return doctor.find(m, survey.intensity(m.pixels))
 
 
 class Planted(unittest.TestCase):
@@ -170,17 +171,17 @@ class Light(unittest.TestCase):
     def test_samples_of_a_constant_map(self):
         # Cosine-drawn samples of a constant map have no spread. Drawn over the sphere: E = pi, and the second moment of
         # 4 pi cos+ is 4 pi 2 pi/3, so that the relative variance is 5/3.
-        d = doctor.diagnose(bis.Envmap(drawn(1), "alias", 0))
+        d = doctor.diagnose(survey.Map(bis.Envmap(drawn(1), "alias", 0)))
         self.assertEqual(round(d.samples["brdf"]), 1)
         self.assertAlmostEqual(d.samples["em"] / (1e4 * 5 / 3), 1, places=2)
         self.assertAlmostEqual(d.exposure, 0, places=5)
 
     def test_a_lamp_and_the_sun_are_found(self):
-        lamps = doctor.diagnose(bis.Envmap(MAPS["outdoor"])).lamps
+        lamps = doctor.diagnose(survey.Map(bis.Envmap(MAPS["outdoor"]))).lamps
         self.assertEqual([lamp.is_sun for lamp in lamps], [True])
         p = drawn(0.01)
         p[60:64, 254:] = p[60:64, :2] = 10  # round the seam, at theta 87 and phi 0
-        lamp, = doctor.diagnose(bis.Envmap(p)).lamps
+        lamp, = doctor.diagnose(survey.Map(bis.Envmap(p))).lamps
         self.assertFalse(lamp.is_sun)
         angle = bis.Envmap(p).solid_angles[60:64].sum() * 4
         self.assertAlmostEqual(lamp.solid_angle, angle)

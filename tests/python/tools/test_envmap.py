@@ -312,6 +312,23 @@ class Command(unittest.TestCase):
         self.assertAlmostEqual(found["bad_values"].pop("sphere_share"), 0.375)
         self.assertEqual(found["bad_values"], {"nan": 1, "infinite": 2, "negative": 3})
 
+    def test_a_scene_with_the_axes_of_a_program_sees_the_map_where_that_shows_it(self):
+        # Where the table of docs/command-line.md has the picture's middle, a quarter to the right of it, and up.
+        table = {"blender": ((1, 0, 0), (0, -1, 0), (0, 0, 1)), "mitsuba": ((0, 0, 1), (-1, 0, 0), (0, 1, 0)),
+                 "three": ((1, 0, 0), (0, 0, 1), (0, 1, 0)), "unity": ((1, 0, 0), (0, 0, -1), (0, 1, 0))}
+        with open(os.path.join(ROOT, "docs/command-line.md"), encoding="utf-8") as f:
+            lines = f.read().split("```python\n")[1].split("```")[0]
+        path = self.at("card.exr")
+        exec(lines.replace("card.exr", path), {"np": np, "bis": bis})
+        colours = ((1, 1, 1), (1, 0, 0), (0, 0, 1))
+        for program, axes in table.items():
+            line, = re.findall(r"in a scene  (Transform \[.*?\])", self.run_it(path, "--convention", program)[0])
+            for k, axis in enumerate(axes):
+                camera = bis.Camera(eye=(0, 0, 0), to=axis, up=np.roll(axis, 1), fov=1)
+                scene = 'WorldBegin %s LightSource "infinite" "string filename" "%s"' % (line, path)
+                seen = bis.render(scene, camera=camera, width=1, height=1, spp=1).rgb[0, 0]
+                np.testing.assert_array_equal(seen, colours[k], err_msg="%s %s" % (program, axis))
+
     def test_a_black_map_and_a_plain_one_have_short_reports(self):
         self.save("black.pfm", np.zeros((2, 4, 3)))
         self.save("plain.pfm", np.full((2, 4, 3), [1, 2, 4]))

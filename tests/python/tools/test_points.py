@@ -62,10 +62,39 @@ class Command(unittest.TestCase):
         with open(os.path.join(self.folder, "e.csv"), encoding="utf-8") as f:
             self.assertEqual(f.read().split("\n")[1:], ["3.14159,3.14159,3.14159,0,0,0"] * 2 + [""])
 
+    def test_at_the_faces_and_vertices_of_a_mesh_in_lux(self):
+        self.save("mesh.txt", '''WorldBegin LightSource "infinite" "rgb L" [1 2 4] Material "diffuse" Shape "disk"
+            Shape "trianglemesh" "integer indices" [0 1 2 0 0 1 0 2 3] "point3 P" [0 0 9 2 0 9 2 2 9 0 2 9]''')
+        E, eye = np.pi * np.array((1, 2, 4)), 0.2126 + 2 * 0.7152 + 4 * 0.0722
+        words, _ = self.run_it("--points", "faces", "{}/mesh.txt", "--lm-per-w", "179")
+        rows = np.genfromtxt(io.StringIO(words), delimiter=",", names=True)
+        np.testing.assert_allclose(rows["x"], (4 / 3, 2 / 3, 2 / 3), rtol=1e-6)
+        self.assertTrue(np.isnan(rows["lux"][1]))  # no area, no normal
+        for k in (0, 2):
+            np.testing.assert_allclose([rows[k][c] for c in ("z", "nx", "nz", "r", "g", "b")], (9, 0, 4, *E), rtol=1e-2)
+            self.assertAlmostEqual(rows["lux"][k], 179 * np.pi * eye, delta=5)
+        # Three channels may err together: the bound of lux is the sum. The twin forgets two of them.
+        sum_of_bounds = 179 * (0.2126 * rows["interval_r"] + 0.7152 * rows["interval_g"] + 0.0722 * rows["interval_b"])
+        np.testing.assert_allclose(rows["interval_lux"], sum_of_bounds, rtol=0.02)
+        words, _ = self.run_it("--points", "vertices", "--shape", "1", "{}/mesh.txt", "--calibrate", "3=98000")
+        rows = np.genfromtxt(io.StringIO(words), delimiter=",", names=True)
+        np.testing.assert_allclose(rows["lux"], [98000] * 4, rtol=0.01)
+        self.assertEqual(rows["lux"][3], 98000)
+        map_of_ours = os.path.join(ROOT, "data/maps/constant.exr")
+        words, _ = self.run_it("--points", "{}/p.csv", map_of_ours, "--scale", "3", "--calibrate", "E_up=5e4")
+        self.assertEqual([line.split(",")[-2:] for line in words.split()[1:]], [["50000", "0"]] * 2)
+        for at in ("4=1", "E_up=1", "0=0", "x=2", "1"):
+            self.assertIn("--calibrate %s: give the number" % at, self.run_it(
+                "--points", "vertices", "{}/mesh.txt", "--calibrate", at, status=2)[1])
+        for words in (("--points", "faces", map_of_ours), ("--points", "{}/p.csv", "--shape", "1", "{}/mesh.txt"),
+                      ("--points", "faces", "--lm-per-w", "9", "--calibrate", "0=9", "{}/mesh.txt")):
+            self.run_it(*words, status=2)
+
     def test_what_cannot_be_is_refused(self):
         self.save("short.csv", "1,2,3,0,0,1\n1,2,3\n")
         self.save("words.csv", "1,2,3,0,0,1\n\n1,2,x,0,0,1\n")
         self.save("none.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")
+        self.save("many.ply", "ply\nformat ascii 1.0\nelement vertex many\nend_header\n")
         self.save("cut.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 9\n" + "".join(
             "property double %s\n" % c for c in irradiance.COLUMNS) + "end_header\n12345678")
         self.save("few.ply", "ply\nformat ascii 1.0\nelement vertex 3\n" + "".join(
@@ -75,6 +104,7 @@ class Command(unittest.TestCase):
         np.save(os.path.join(self.folder, "words.npy"), np.full((2, 6), "a"))
         for name, message in (("short.csv", ":2: error: give six numbers"), ("words.csv", ":3: error: give six"),
                               ("none.ply", "no normals"), ("cut.ply", "ends within its vertices"),
+                              ("many.ply", "how many vertices"),
                               ("empty.csv", "no points"), ("few.ply", "ends within"),
                               ("nan.csv", "error: point 0: give finite"), ("words.npy", "words.npy: error: it holds"),
                               ("gone.csv", "cannot read")):

@@ -12,15 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._irradiance import Harmonics, arriving
+from .._irradiance import Harmonics, arriving, project
 from .._library import Doubles, Floats
 from .._sampling import Envmap
-from .survey import Direction, direction_of
+from .survey import Direction, Map, direction_of, intensity
 
 CEILINGS = (1.0, 16.0, 65504.0)  #: of 8 bits, of some converters, of half floats
 LEAST = 4096  #: pixels; fewer tell nothing
 DRAWN = 64  #: different values: a map of fewer is drawn, not seen
 EIGHT_BITS = 256
+ROWS = 512  #: that are looked at for how many values there are, spread over the map
 SUN = 2 * math.pi * (1 - math.cos(math.radians(1)))  #: sr of a disc of 2 degrees, with blur
 LAMPS = 5  #: that are told
 #: A lamp is brighter than this many medians, and gives at least this share of the light.
@@ -52,7 +53,7 @@ class Diagnosis(NamedTuple):
 
 # ---- light ----
 
-def _parts(light: Envmap, mask: NDArray[np.bool_]) -> tuple[NDArray[Any], Doubles]:
+def _parts(mask: NDArray[np.bool_]) -> tuple[NDArray[Any], Doubles]:
     """Connected pixels of a mask: labels, -1 outside, and solid angles. Columns join round."""
     drawn = np.repeat(mask[..., None], 3, axis=2).astype(np.float32)
     regions = Envmap(drawn, "cdf", 0).regions(1)
@@ -74,7 +75,7 @@ def _lamps(light: Envmap, pixels: Floats, grey: Doubles, angles: Doubles) -> lis
     power = float((grey * angles).sum())
     if not lit.any() or power == 0:
         return []
-    label, solid_angles = _parts(light, lit)
+    label, solid_angles = _parts(lit)
     share = np.bincount(label[lit], (grey * angles)[lit]) / power
     found = []
     for k in np.argsort(-share, kind="stable")[:LAMPS]:
@@ -209,10 +210,14 @@ def _stretched(grey: Doubles) -> list[str]:
     return []
 
 
+def _some_rows(a: NDArray[Any]) -> NDArray[Any]:
+    return a[::max(len(a) // ROWS, 1)]
+
+
 def _is_drawn(grey: Doubles) -> bool:
     """Whether there are few different values in all, or in most rows."""
-    rows = np.sort(grey, axis=1)
-    return len(np.unique(grey)) < DRAWN or np.median((np.diff(rows) > 0).sum(1)) < DRAWN / 4
+    rows = np.sort(_some_rows(grey), axis=1)
+    return len(np.unique(rows)) < DRAWN or np.median((np.diff(rows) > 0).sum(1)) < DRAWN / 4
 
 
 def _eight_bits(pixels: Floats) -> list[str]:
@@ -220,9 +225,10 @@ def _eight_bits(pixels: Floats) -> list[str]:
     the last 16 bits of a float empty; it tells nothing."""
     if not (pixels.view(np.uint32) & 0xFFFF).any():
         return []
-    values = [np.unique(pixels[..., k]) for k in range(3)]
-    if max(len(v) for v in values) > EIGHT_BITS:
-        return []
+    for part in (_some_rows(pixels), pixels):  # most maps have more in some rows
+        values = [np.unique(part[..., k]) for k in range(3)]
+        if max(len(v) for v in values) > EIGHT_BITS:
+            return []
     v = max(values, key=len).astype(np.float64)
     v = v[v > 0]
     grid = v / np.diff(v).min()
@@ -233,27 +239,24 @@ def _eight_bits(pixels: Floats) -> list[str]:
     return ["banded: %d different values in a channel, a picture of 8 bits" % len(v)]
 
 
-def find(light: Envmap) -> list[str]:
-    """What is probably wrong, a line each. What pixels tell is told of a lat-long map alone,
-    because another was resampled, and not of a few pixels."""
-    found = _bad_values(light)
-    p = light.pixels
-    grey = p.astype(np.float64).sum(2)
-    if light.mapping != "latlong" or grey.size < LEAST or _is_drawn(grey):
+def find(m: Map, grey: Doubles) -> list[str]:
+    """What is probably wrong, a line each; grey is r+g+b of the pixels. What pixels tell
+    is told of a lat-long map alone, because another was resampled, and not of a few pixels."""
+    found = _bad_values(m.light)
+    if m.light.mapping != "latlong" or grey.size < LEAST or _is_drawn(grey):
         return found
-    angles = np.broadcast_to(light.solid_angles[:, None], grey.shape)
-    return (found + _plateau(p, grey, angles) + _seam(grey) + _poles(grey) + _upside_down(grey)
-            + _stretched(grey) + _eight_bits(p))
+    angles = np.broadcast_to(m.angles[:, None], grey.shape)
+    return (found + _plateau(m.pixels, grey, angles) + _seam(grey) + _poles(grey)
+            + _upside_down(grey) + _stretched(grey) + _eight_bits(m.pixels))
 
 
-def diagnose(light: Envmap, convention: str = "bis") -> Diagnosis:
+def diagnose(m: Map, convention: str = "bis") -> Diagnosis:
     """Look at a map; convention: the axes of the harmonics. Its power may be 0."""
-    pixels = light.pixels
-    grey = pixels.astype(np.float64).sum(2)
-    angles = np.broadcast_to(light.solid_angles[:, None], grey.shape)
+    light, grey = m.light, intensity(m.pixels)
+    angles = np.broadcast_to(m.angles[:, None], grey.shape)
     # What arrives from around the pole does not know of columns.
-    E = arriving(pixels.mean(1, keepdims=True, dtype=np.float64), np.array(((0, 0, 1.0),)))[0]
+    E = arriving(m.pixels.mean(1, keepdims=True, dtype=np.float64), np.array(((0, 0, 1.0),)))[0]
     mean = float(E.mean())
     return Diagnosis(E, -math.log2(mean / math.pi) + 0.0 if mean > 0 else 0.0,
-                     _lamps(light, pixels, grey, angles), _samples(light, grey, 3 * mean),
-                     light.harmonics(convention), find(light))
+                     _lamps(light, m.pixels, grey, angles), _samples(light, grey, 3 * mean),
+                     project(m.pixels, convention), find(m, grey))

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Optional
 
 from .._errors import Error, Status
+from .._frames import FRAMES
 from . import command, files, text
 from .command import COUNT, DONE, FLAG, NAME, REAL, Command, Heading, Option, Say
 from .scenes import telling
@@ -22,7 +23,6 @@ if TYPE_CHECKING:  # they need numpy, and the help does not
 
 MAPPINGS = ("latlong", "angular", "equalarea", "mirrorball", "verticalcross", "horizontalcross",
             "cubestrip")
-CONVENTIONS = ("bis", "blender", "mitsuba", "three", "unity")
 ENDINGS = (".exr", ".pfm", ".hdr", ".png")
 PICTURES = ("map", "levels", "regions", "importance")
 
@@ -45,7 +45,7 @@ COMMAND = Command(
         Option("convention", "P",
                "directions along the axes of a program that shows the same picture: bis (the "
                "default), blender, mitsuba, three (three.js, glTF viewers) or unity", NAME,
-               names=CONVENTIONS, default="bis"),
+               names=tuple(FRAMES), default="bis"),
         Heading("what to write"),
         Option("to", "M",
                "no report, but the map itself in mapping M, to the file of --out; energy is kept, "
@@ -119,6 +119,13 @@ def _largest_text(s: Survey) -> str:
         lines.append("%6d %5d %8.4f%% %10.4g sr%s\n" % (
             k, r.level, 100 * r.power, r.solid_angle, where))
     return "".join(lines)
+
+
+def _scene_text(convention: str) -> str:
+    """The line of a scene that gives its world the axes of a program: columns of the matrix."""
+    columns = [" ".join(map(str, (*column, 0))) for column in zip(*FRAMES[convention])]
+    return ("in a scene  Transform [ %s  0 0 0 1 ] before the light: the world's axes are those of "
+            "%s\n" % ("  ".join(columns), convention))
 
 
 def report_text(path: str, s: Survey, light: Envmap, found: Diagnosis) -> str:
@@ -302,8 +309,6 @@ def _open(o: SimpleNamespace, source: str, say: Say) -> Envmap:
 
 def _turn(s: Survey, d: Diagnosis, convention: str) -> None:
     """Give all directions along other axes. Their angles stay those of the picture."""
-    from .._irradiance import FRAMES
-
     def turned(w: Optional[Direction]) -> Any:
         if w is None:
             return None
@@ -320,12 +325,14 @@ def _report(o: SimpleNamespace, source: str, out: str, light: Envmap) -> str:
 
     m = survey.Map(light)
     s = survey.survey(m, o.levels)
-    d = doctor.diagnose(light, o.convention)
+    d = doctor.diagnose(m, o.convention)
     _turn(s, d, o.convention)
     if out:
         _write_pictures(o, out, m)
     data = {**report_data(source, s, light, d), "convention": o.convention}
     words = report_text(source, s, light, d)
+    if o.convention != "bis":
+        words += "\n" + _scene_text(o.convention)
     if o.html:
         page.write(o.html, "envmap", {**data, **survey.page_data(s, m, o.samples)}, words)
     return text.json(data) if o.json else words

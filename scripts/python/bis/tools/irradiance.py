@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Optional
 
 from .._errors import Error, Status
 from . import command, files
@@ -16,9 +16,12 @@ from .scenes import open_scene, telling
 
 if TYPE_CHECKING:  # they need numpy, and the help does not
     from .._library import Doubles
+    from .._render import Scene
 
 MAPS = (".hdr", ".exr", ".pfm")
 COLUMNS = ("x", "y", "z", "nx", "ny", "nz")
+MESHES = ("vertices", "faces")
+LUMINANCE = (0.2126, 0.7152, 0.0722)  #: of the colours of a map as it was read, Rec. 709
 
 COMMAND = Command(
     "irradiance", "irradiance --points FILE [options] SCENE|MAP",
@@ -27,7 +30,9 @@ COMMAND = Command(
         Heading("what to measure"),
         Option("points", "F",
                "a point and its normal a line, x,y,z,nx,ny,nz, as CSV; or .npy (n, 6); or the "
-               "vertices of a .ply with normals"),
+               "vertices of a .ply with normals; or a word, vertices or faces: those of SCENE's "
+               "meshes, printed before what arrives there"),
+        Option("shape", "N", "of these, shape N of SCENE alone, from 0", COUNT, hi=2 ** 32 - 1),
         Option("lift", "D",
                "move points by D along their normals, off the surfaces they may lie on (2e-6 of "
                "the largest coordinate)", REAL, lo=0),
@@ -41,13 +46,20 @@ COMMAND = Command(
         Option("scale", "S",
                "times S, as 179 lm/W, or what a meter read over what is printed for its place (1)",
                REAL, lo=0, default=1.0),
-        Option("out", "F", "write .csv or .npy (n, 6) instead of CSV to standard output"),
+        Option("lm-per-w", "K",
+               "print lux, too: K times what the eye sees of r, g, b (K = 179 for daylight in "
+               "W/m^2)", REAL, lo=0, above=True),
+        Option("calibrate", "I=LUX",
+               "the same, so that point I, from 0, has what a meter read there; E_up=LUX: what it "
+               "read under MAP, facing up"),
+        Option("out", "F", "write .csv or .npy instead of CSV to standard output"),
     ],
     1, 1,
     "Printed are E in r, g, b, the integral of radiance times cosine times\n"
     "visibility, and the half-width of its 95% interval, nan where too little is\n"
     "known. A map has no unit: E is in the map's own times sr, until --scale\n"
-    "gives it one. Three colours have no infrared.\n"
+    "gives it one. Lux are of Rec. 709 colours, and their interval holds at least\n"
+    "95%. Three colours have no infrared.\n"
     "Points that lie side by side and look the same way learn together.\n")
 
 
@@ -88,6 +100,8 @@ def _ply(data: bytes, path: str) -> Doubles:
     last = elements[1] if len(elements) > 1 else len(words)
     own = [w for w in words[elements[0]:last] if w[:1] == ["property"]]
     names = [w[-1] for w in own]
+    if not words[elements[0]][-1].isdecimal():
+        raise Error("%s: error: it does not say how many vertices it has" % path)
     if not set(COLUMNS) <= set(names) or any(w[1] not in _TYPES for w in own):
         raise Error("%s: error: its vertices have no normals nx, ny, nz" % path)
     n = int(words[elements[0]][2])
@@ -129,51 +143,133 @@ def read_points(path: str) -> Doubles:
     return points
 
 
-def _measured(o: SimpleNamespace, operand: str, points: Doubles, say: Say) -> Any:
-    """E and its interval (n, 6)."""
+def _mesh_points(scene: Scene, which: str, shape: Optional[int]) -> Doubles:
+    """The vertices or faces of a scene's meshes, as points (n, 6). A triangle without area has the
+    normal 0."""
     import numpy as np
 
-    is_map = operand.lower().removesuffix(".gz").endswith(MAPS)
-    for name in ("lift", "spp", "error", "seed") if is_map else ("mapping",):
-        if getattr(o, name) is not None:
-            raise Error("error: --%s belongs to a %s, and \"%s\" is none: leave it out" % (
-                name, "scene" if is_map else "map", operand))
-    if is_map:
-        from .._sampling import Envmap
-        with telling(say):
-            E = Envmap(operand, "cdf", 0, o.mapping).irradiance(points[:, 3:])
-        return np.concatenate((E, np.zeros_like(E)), axis=1)
+    mesh = scene.mesh(shape)
+    at = ((mesh.vertices, mesh.normals) if which == "vertices" else
+          (mesh.centres(), mesh.crosses()))
+    return np.concatenate(at, axis=1).astype(np.float64)
+
+
+def _of_scene(o: SimpleNamespace, operand: str, say: Say) -> tuple[Doubles, Doubles]:
+    """Points (n, 6), and E with its interval (n, 6); NaN where a mesh has no normal."""
+    import numpy as np
+
     how = {k: getattr(o, k) for k in ("spp", "error", "seed") if getattr(o, k) is not None}
     if "spp" not in how and "error" not in how:
         how["spp"] = 16
+    is_of_mesh = o.points in MESHES
     with telling(say):
-        found = open_scene(operand, say).irradiance(points[:, :3], points[:, 3:], lift=o.lift,
-                                                    **how)
-    return np.concatenate((found.E, found.interval), axis=1)
+        scene = open_scene(operand, say)
+        points = _mesh_points(scene, o.points, o.shape) if is_of_mesh else read_points(o.points)
+        E = np.full((len(points), 6), np.nan)
+        known = points[:, 3:].any(axis=1) | (not is_of_mesh)
+        found = scene.irradiance(points[known, :3], points[known, 3:], lift=o.lift, **how)
+    E[known] = np.concatenate((found.E, found.interval), axis=1)
+    return points, E
+
+
+def _of_map(o: SimpleNamespace, operand: str, say: Say) -> tuple[Doubles, Doubles, Doubles]:
+    """Points, E with intervals of 0, and E of a surface that faces up (3)."""
+    import numpy as np
+
+    from .._sampling import Envmap
+
+    with telling(say):
+        points = read_points(o.points)
+        light = Envmap(operand, "cdf", 0, o.mapping)
+        E = light.irradiance(np.concatenate((points[:, 3:], [(0, 0, 1)])))
+    return points, np.concatenate((E, np.zeros_like(E)), axis=1)[:-1], E[-1]
+
+
+def _factor(o: SimpleNamespace, E: Doubles, up: Optional[Doubles], say: Say) -> Optional[float]:
+    """Lux of what the eye sees of E; None: not asked for."""
+    import math
+
+    import numpy as np
+
+    efficacy: Optional[float] = getattr(o, "lm-per-w")
+    if not o.calibrate:
+        return efficacy
+    if efficacy:
+        raise Error("error: --calibrate and --lm-per-w exclude each other")
+    at, _, lux = o.calibrate.partition("=")
+    try:
+        reading = float(lux)
+        seen = up if at == "E_up" and up is not None else E[int(at)] if at.isdecimal() else None
+    except (ValueError, IndexError):
+        seen = None
+    if seen is None or not 0 < reading < math.inf:
+        raise Error("error: --calibrate %s: give the number of a point, 0 to %d%s, =, and lux above"
+                    " 0" % (o.calibrate, len(E) - 1, "" if up is None else " or E_up"))
+    arrives = float(np.dot(LUMINANCE, seen[:3]))
+    if not arrives > 0:
+        raise Error("error: --calibrate %s: no light arrives there" % o.calibrate)
+    off = float(np.dot(LUMINANCE, seen[3:])) / arrives if len(seen) == 6 else 0.0
+    if not off < 0.01:
+        say.warn("--calibrate: E there is known to %.2g %%, and so are all lux: --error 0.1%% "
+                 "makes it better" % (100 * off))
+    return reading / arrives
+
+
+def _write(out: Optional[str], columns: Sequence[str], rows: Doubles) -> None:
+    """As .npy, or as CSV to a file or to standard output."""
+    import numpy as np
+
+    if out and out.lower().endswith(".npy"):
+        with files.outfile(out) as f:
+            np.save(f, rows)
+        return
+    line = ",".join("%.3g" if "interval" in c else "%.9g" if c in COLUMNS else "%.6g"
+                    for c in columns) + "\n"
+    words = ",".join(columns) + "\n" + "".join(line % tuple(row) for row in rows.tolist())
+    if out:
+        with files.outfile(out) as f:
+            f.write(words.encode())
+    else:
+        sys.stdout.write(words)
+
+
+def _check(o: SimpleNamespace, operand: str, is_map: bool) -> None:
+    if not o.points:
+        raise Error("error: --points is missing: name a file of points and normals, or say "
+                    "vertices or faces")
+    for name in ("lift", "spp", "error", "seed", "shape") if is_map else ("mapping",):
+        if getattr(o, name) is not None:
+            raise Error("error: --%s belongs to a %s, and \"%s\" is none: leave it out" % (
+                name, "scene" if is_map else "map", operand))
+    if is_map and o.points in MESHES or o.shape is not None and o.points not in MESHES:
+        raise Error("error: --points vertices and --points faces, with --shape, are of a scene")
+    if o.out:
+        if os.path.splitext(o.out)[1].lower() not in (".csv", ".npy"):
+            raise Error('error: --out "%s": the ending must be .csv or .npy' % o.out)
+        files.check_writable(o.out)
+        files.check_distinct([operand, o.points], [o.out])
 
 
 def _body(o: SimpleNamespace, operands: list[str], say: Say) -> int:
     import numpy as np
 
-    if not o.points:
-        raise Error("error: --points is missing: name a file of points and normals")
-    if o.out:
-        if os.path.splitext(o.out)[1].lower() not in (".csv", ".npy"):
-            raise Error('error: --out "%s": the ending must be .csv or .npy' % o.out)
-        files.check_writable(o.out)
-        files.check_distinct([operands[0], o.points], [o.out])
-    found = o.scale * _measured(o, operands[0], read_points(o.points), say)
-    if o.out and o.out.lower().endswith(".npy"):
-        with files.outfile(o.out) as f:
-            np.save(f, found)
-        return DONE
-    words = "r,g,b,interval_r,interval_g,interval_b\n" + "".join(
-        "%.6g,%.6g,%.6g,%.3g,%.3g,%.3g\n" % tuple(row) for row in found.tolist())
-    if o.out:
-        with files.outfile(o.out) as f:
-            f.write(words.encode())
+    is_map = operands[0].lower().removesuffix(".gz").endswith(MAPS)
+    _check(o, operands[0], is_map)
+    up = None
+    if is_map:
+        points, E, up = _of_map(o, operands[0], say)
+        up = o.scale * up
     else:
-        sys.stdout.write(words)
+        points, E = _of_scene(o, operands[0], say)
+    E = o.scale * E
+    columns = ["r", "g", "b", "interval_r", "interval_g", "interval_b"]
+    factor = _factor(o, E, up, say)
+    if factor is not None:
+        E = np.concatenate((E, factor * E.reshape(-1, 2, 3) @ LUMINANCE), axis=1)
+        columns += ["lux", "interval_lux"]
+    if o.points in MESHES:
+        E, columns = np.concatenate((points, E), axis=1), [*COLUMNS, *columns]
+    _write(o.out, columns, E)
     return DONE
 
 
