@@ -44,6 +44,11 @@ LAYERS = ("normal", "depth", "unoccluded")
 Weight = Callable[[Doubles, "dict[str, Any]"], Doubles]
 
 
+def kind(name: str) -> str:
+    """A cause's name without what differs between programs."""
+    return name.split(" (")[0]
+
+
 class Found(NamedTuple):
     """A cause that was held against the picture."""
 
@@ -53,11 +58,6 @@ class Found(NamedTuple):
     key: str  #: its name without a number
     make: Make  #: its picture in any studio of the scene
     fixed: Any = None  #: of a factor, what it leaves as it is
-
-    @property
-    def kind(self) -> str:
-        """Its name without what differs between programs."""
-        return self.name.split(" (")[0]
 
     def makes(self, other: Found) -> bool:
         """Whether this makes the other's picture, too, perhaps by another factor. Of the share of
@@ -227,11 +227,14 @@ class Studio:
         """What the weight multiplies the picture with (n, h, w, 3)."""
         return self.once("quotients", self._quotients)[weight]
 
-    def weighed(self, weight: Weight) -> Truth:
-        """The picture with f cos times a weight. A pixel's centre does not tell what is at an
-        outline."""
+    def weighed(self, weight: Weight) -> Optional[Truth]:
+        """The picture with f cos times a weight; None: it is 1. A pixel's centre does not tell what
+        is at an outline."""
+        q = self.quotient(weight)
+        if (q == 1).all():
+            return None
         over = self.quotient(separable) if self.like.is_separable else 1.0
-        return self.truth(self.copies() / over * self.quotient(weight), self.outlines)
+        return self.truth(self.copies() / over * q, self.outlines)
 
 
 Make = Callable[[Studio], Optional[Truth]]
@@ -628,12 +631,15 @@ def search(studio: Studio, theirs: Doubles, rounding: float = ROUNDING,
 
 
 def apart(studio: Studio, names: Sequence[str] = ()) -> tuple[list[str], Doubles]:
-    """Names of the right picture and of all causes, or some, without a number of their own, (n,),
+    """Names of the right picture and of all kinds, or some, without a number of their own, (n,),
     and up to which noise of a tile any two differ by SIGMAS, (n, n): where they differ most, less
     the error of the pictures."""
     right = studio.right()
-    makes = {k: v for k, v in CAUSES.items() if not k.startswith(FACTOR) and " (pbrt" not in k}
-    makes.update((k, _of_picture(lambda c, v=v: v * c)) for k, v in FACTORS.items())
+    makes: dict[str, Make] = {}
+    for name, make in CAUSES.items():
+        if not name.startswith(FACTOR):
+            makes.setdefault(kind(name), make)
+    makes.update((kind(k), _of_picture(lambda c, v=v: v * c)) for k, v in FACTORS.items())
     told = {"right": features(right, right)}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -18,7 +18,7 @@ from ..command import Say
 from ..survey import heat
 from . import kit
 from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, CUT, LEVELS, MOST, REJECTED, SMALL,
-                     Convention, Found, Studio, apart, search)
+                     Convention, Found, Studio, apart, kind, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 NOISES = (0.03, 0.01, 0.001)  #: of a tile, at which the kit counts what it tells apart
@@ -45,9 +45,9 @@ class Case:
     def named(self) -> list[Found]:
         """The causes that nothing speaks against, one of each kind; mere factors last."""
         fits = [f for f in self.causes if f.verdict.is_right]
-        kinds = [f.kind for f in fits]
-        first = [f._replace(name=f.kind) if kinds.count(f.kind) > 1 else f
-                 for i, f in enumerate(fits) if f.kind not in kinds[:i]]
+        kinds = [kind(f.name) for f in fits]
+        first = [f._replace(name=of) if kinds.count(of) > 1 else f
+                 for i, (f, of) in enumerate(zip(fits, kinds)) if of not in kinds[:i]]
         return sorted(first, key=self.is_mere)
 
     def is_mere(self, cause: Found) -> bool:
@@ -273,9 +273,8 @@ def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
         save_image(os.path.join(place, name + "-stderr.exr"), error)
         share = math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300)
         told = ", ".join("%d at %g %%" % (np.sum(least >= s), 100 * s) for s in NOISES)
-        lines.append("%-16s %.2g %% a pixel; of %d causes it tells from all others, by the noise of "
-                     "a tile: %s. %s\n" % (name, 100 * share, len(least), told,
-                                           kit.SCENES[name].about))
+        lines.append("%-16s %.2g %% a pixel; tells of %d causes, by the noise of a tile, %s. %s\n"
+                     % (name, 100 * share, len(least), told, kit.SCENES[name].about))
     with open(os.path.join(folder, "tells.csv"), "w", encoding="utf-8") as f:
         f.write("\n".join(rows) + "\n")
     return "".join(lines)
