@@ -22,7 +22,7 @@ from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, CUT, LEVELS, MOST, REJECTE
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
 NOISES = (0.03, 0.01, 0.001)  #: of a tile, at which the kit counts what it tells apart
-NEAREST = 12  #: causes that are tried by other conventions if none fits by the first
+NEAREST = 24  #: causes that are tried by other conventions if none fits by the first
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
