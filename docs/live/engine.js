@@ -8,7 +8,7 @@
  *                         it is its length; for what is opened or was opened a name of the caller's own. A function
  *                         or a flag of C (p) is never given. Returns {out: [[array...]...], hash, seconds}; the hash
  *                         leaves out what the C library's last bits are in. Throws an Error with the library's words;
- *                         after a trap the library starts anew.
+ *                         after a trap the library starts anew, and nothing of the old one is freed.
  *   engine.put(path, bytes)   adds a file.
  * What was opened by the same arguments is not opened again. A name that is opened anew closes what it had.
  *
@@ -20,6 +20,8 @@ function bisEngine(wasm, files) {
     render: 'bis_flat_picture_close'};
   const SAY = 4096;
   let lib, open, opened, waiting, signatures;
+  /* Has the library stopped? Its memory may be in any state then, and is left alone. */
+  const stopped = (e) => e instanceof WebAssembly.RuntimeError || waiting;
 
   /* ---- the system: files that are only read, and a clock ---- */
 
@@ -183,6 +185,9 @@ function bisEngine(wasm, files) {
       if (!hidden) for (const o of outs) lib.bis_flat_fnv(hash, o.n * o.Type.BYTES_PER_ELEMENT, o.at);
       return returns === 'r' || returns === 'i' ? [result]
         : outs.map((o) => new o.Type(lib.memory.buffer, o.at, o.n).slice());
+    } catch (e) {
+      if (stopped(e)) mine.length = 0;
+      throw e;
     } finally {
       mine.forEach((p) => lib.free(p));
     }
@@ -196,14 +201,15 @@ function bisEngine(wasm, files) {
       const h = new Uint32Array(lib.memory.buffer, hash, 2), hex = (v) => v.toString(16).padStart(8, '0');
       return {out, hash: hex(h[1]) + hex(h[0]), seconds: (performance.now() - began) / 1e3};
     } catch (e) {
-      if (e instanceof WebAssembly.RuntimeError || waiting) {
+      if (stopped(e)) {
         const words = waiting;
+        mine.length = 0;
         start();
         throw new Error('the library stopped and was started again: ' + (words || e.message));
       }
       throw e;
     } finally {
-      try { mine.forEach((p) => lib.free(p)); } catch (e) { start(); }
+      mine.forEach((p) => lib.free(p));
     }
   }
 
@@ -211,11 +217,24 @@ function bisEngine(wasm, files) {
   return {run, put(path, bytes) { files[clean(path)] = bytes; Object.keys(opened).forEach(close); }};
 }
 
+/* A map of one's own has no more bytes, packed or unpacked: 2048 x 1024 pixels as .pfm have 24 MiB. */
+const bisMostBytes = 64 << 20;
+
 /* What runs in the worker. files arrive compressed by gzip where their names end in .gz. */
 function bisWorker() {
   let engine;
-  const unpack = (bytes) => new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')))
-    .arrayBuffer();
+  async function unpack(bytes) {
+    const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip')).getReader(), parts = [];
+    for (let all = 0, next = await reader.read(); !next.done; next = await reader.read()) {
+      all += next.value.length;
+      if (all > bisMostBytes) {
+        reader.cancel();
+        throw new Error('what is packed in this file has more than ' + (bisMostBytes >> 20) + ' MiB');
+      }
+      parts.push(next.value);
+    }
+    return new Blob(parts).arrayBuffer();
+  }
   async function begin(m) {
     const files = {};
     for (const name of Object.keys(m.files))
@@ -243,7 +262,8 @@ function bisWorker() {
 /* assets: {'bis.wasm.gz': base64, path: base64}. The worker is made of this file's own text, because a page that was
  * opened from disk may load neither a worker nor a module from there. */
 function bisClient(assets) {
-  const source = '"use strict";\n' + bisEngine + '\n' + bisWorker + '\nbisWorker();';
+  const source = '"use strict";\nconst bisMostBytes = ' + bisMostBytes + ';\n' + bisEngine + '\n' + bisWorker +
+    '\nbisWorker();';
   const worker = new Worker(URL.createObjectURL(new Blob([source], {type: 'text/javascript'})));
   const bytes = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)), waits = new Map();
   let next = 0;

@@ -119,8 +119,9 @@ var bisFigure = (function () {
     const id = 'live' + nextId++, input = element('input', {type: 'file', id, accept: '.hdr,.pfm,.exr'});
     const take = async (file) => {
       if (!file) return;
-      await f.client().put('maps/own', new Uint8Array(await file.arrayBuffer()));
       try {
+        if (file.size > bisMostBytes) throw new Error('this file has more than ' + (bisMostBytes >> 20) + ' MiB');
+        await f.client().put('maps/own', new Uint8Array(await file.arrayBuffer()));
         const [, [shape]] = (await f.client().ask([['bis_flat_light_open_as', 'own light', 'maps/own', []],
           ['bis_flat_light_shape', 'own light', 2]])).out;
         if (shape[0] > MOST) throw new Error('this map has ' + shape[0] + ' columns; a page takes ' + MOST +
@@ -142,6 +143,16 @@ var bisFigure = (function () {
   /* ---- a figure ---- */
 
   const figures = {};
+  /* One below the heading of the page under which a figure stands. */
+  function level(box) {
+    const above = [...document.querySelectorAll(':is(h1, h2, h3, h4, h5):not(.live-title)')]
+      .filter((h) => h.compareDocumentPosition(box) & Node.DOCUMENT_POSITION_FOLLOWING);
+    return above.length ? +above.pop().tagName[1] + 1 : 2;
+  }
+  function enter(f) {
+    f.box.focus({preventScroll: true});
+    f.box.scrollIntoView();
+  }
   function build(box, spec) {
     const id = 'live' + nextId++;
     const f = {spec, box, state: stateOf(spec, location.hash), shows: [], began: false, busy: false, again: false};
@@ -157,7 +168,8 @@ var bisFigure = (function () {
     });
     box.setAttribute('role', 'group');
     box.setAttribute('aria-labelledby', id);
-    box.replaceChildren(element('div', {class: 'live-title', id}, spec.title),
+    box.setAttribute('tabindex', -1); /* a link leads the keyboard here; the next Tab goes to the first control */
+    box.replaceChildren(element('h' + level(box), {class: 'live-title', id}, spec.title),
       element('p', {class: 'live-look'}, 'Look: ' + spec.look),
       element('div', {class: 'live-controls'}, ...spec.controls.filter((c) => !c.hidden).map((c) => control(f, c)),
         f.reset), f.picture, f.words,
@@ -239,14 +251,21 @@ var bisFigure = (function () {
       else if (specs[box.dataset.figure]) build(box, specs[box.dataset.figure]);
     }
     const at = location.hash.slice(1).split(':')[0];
-    if (figures[at]) figures[at].box.scrollIntoView();
+    const list = document.querySelector('.live-list');
+    if (list) list.append(element('ol', {}, ...Object.values(figures).map((f) => element('li', {},
+      element('a', {href: '#' + f.spec.name}, f.spec.title)))));
+    if (list) list.addEventListener('click', (e) => { /* also where the address is already that of the link */
+      const f = figures[(e.target.hash || '').slice(1)];
+      if (f) setTimeout(() => enter(f));
+    });
+    if (figures[at]) enter(figures[at]);
     window.addEventListener('hashchange', () => {
       const f = figures[location.hash.slice(1).split(':')[0]];
       if (!f) return;
       Object.assign(f.state, stateOf(f.spec, location.hash));
       f.began = true;
       f.changed();
-      f.box.scrollIntoView();
+      enter(f);
     });
   }
   if (typeof document !== 'undefined') document.addEventListener('DOMContentLoaded', begin);

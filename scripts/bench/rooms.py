@@ -4,7 +4,8 @@ beside a portal integrator in Mitsuba 3. docs/theory.md reads the table.
 
     python3 scripts/bench/rooms.py BIS MAPS OUT [WORD]     OUT keeps scenes; only rooms with WORD
 
-Every method renders each room with five seeds; bis also with portals of .99 and 1.1 of the size.
+Every method renders each room with five seeds; bis without portals, with those that it finds, and
+with given ones of .99, 1 and 1.1 of the size.
 All are unbiased, so the error of a method is the variance over its seeds, over
 r^2 + (0.1 mean r)^2, where r is the mean of all pictures of the room. The seconds are the least of
 the seeds, of rendering alone, and of the processor, because those of a clock favour the shorter
@@ -87,11 +88,12 @@ def numbers(rectangle):
 
 
 def bis_scene(sky, openings, things, scale):
-    """The text. Its portals are `scale` as wide and as high as the openings; 0: none."""
+    """The text. Its portals are `scale` as wide and as high as the openings; 0: none; None: bis
+    looks for them."""
     light = f'"string filename" "{maps}/{sky}.hdr"' if sky else '"rgb L" [1 1 1]'
     lights = [f'LightSource "infinite" {light} "bool visible" false {words}' for words in (
         [f'"point3 portal" [{numbers(scaled(portal(*o), scale))}]' for o in openings]
-        if scale else [''])]
+        if scale else [''] if scale is None else ['"bool windows" false'])]
     shapes = [f'Shape "trianglemesh" "point3 P" [{numbers(r)}] "integer indices" [0 1 2 0 2 3]'
               for r in room(openings) + things]
     return '\n'.join([
@@ -225,9 +227,10 @@ def measure(name, sky, openings, things):
     """Print a line for each method."""
     mixture = [{'type': 'portals', 'weight': w} for w in (1, .5)]
     direct = {'type': 'direct', 'emitter_samples': 1, 'bsdf_samples': 1, 'hide_emitters': True}
-    sizes = {'bis': 0, 'bis, portals': 1, 'bis, portals .99': .99, 'bis, portals 1.1': 1.1}
+    sizes = {'bis': 0, 'bis, found': None, 'bis, portals': 1, 'bis, portals .99': .99,
+             'bis, portals 1.1': 1.1}
     methods = {
-        **{how: (16, bis_render(f'room{size:g}', bis_scene(sky, openings, things, size)))
+        **{how: (16, bis_render(f'room{size}', bis_scene(sky, openings, things, size)))
            for how, size in sizes.items()},
         **{f'Mitsuba, {how}': (n, mitsuba_render(sky, openings, things, i)) for how, n, i in (
             ('direct', 121, direct), ('portals', 64, mixture[0]),

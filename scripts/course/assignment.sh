@@ -3,8 +3,8 @@
 # assignment: the starter kit of an assignment (docs/assignments/README.md): a copy of the project in which the bodies
 # under study are blank, the handout, and the tests that mark it, in the place of all others.
 #     scripts/course/assignment.sh NAME FOLDER        (make assignment A=NAME DEST=FOLDER)
-# From the root. FOLDER must be new or empty. ASSIGNMENT.md in it is the handout; `assignment` holds the name, and the
-# files to hand in.
+# From the root. FOLDER must be new or empty. ASSIGNMENT.md in it is the handout, form.txt asks for hours; `assignment`
+# holds the name, and the files to hand in.
 name=$1
 kit=$2
 all=$(ls tests/course 2>/dev/null | sed -n 's/_blank\.c$//p' | tr '\n' ' ')
@@ -27,8 +27,12 @@ cp -Rp data/scenes data/generate "$kit/data" && cp -Rp tests/support "$kit/tests
 rm -f "$kit"/scripts/*/*errata*
 sh scripts/course/given.sh "$name" "$kit/tests/given" || exit 1
 cp "tests/course/$name.c" "$kit/tests/test_assignment.c" &&
-    cp "docs/assignments/$name.md" "$kit/ASSIGNMENT.md" ||
-    exit 1
+    sed 's|](written|](docs/assignments/written|' "docs/assignments/$name.md" >"$kit/ASSIGNMENT.md" &&
+    cp docs/assignments/form.txt "$kit" || exit 1
+without() { # a page to which others lead
+    echo "This page is left out of this kit, because it shows what is yours to write. The project has it." >"$kit/$1"
+}
+without docs/assignments/answers.md
 
 blanks=$(mktemp -d) || exit 1
 trap 'rm -rf "$blanks"' EXIT
@@ -45,10 +49,7 @@ if [ -f "$hidden" ]; then
     done
     for file in $(sed -n 's|^/\* without: \(.*\) \*/$|\1|p' "$hidden"); do
         rm "$kit/$file" || exit 1
-        case $file in *.md) # other pages lead to it
-            echo "This page is left out of this kit, because it shows what is yours to write. The project has it." \
-                >"$kit/$file" ;;
-        esac
+        case $file in *.md) without "$file" ;; esac
     done
 fi
 (cd "$kit" && sh scripts/check/fragments.sh >/dev/null) || exit 1 # pages quote the code as it now stands

@@ -74,12 +74,6 @@ prove() {
         esac
         loses=$(sed -n 's|^/\* loses: \(.*\) \*/$|\1|p' $(fragments $variant) </dev/null | paste -sd ' ')
         awk -F '\t' -v name="$name" -v variant=$variant -v loses="$loses" '
-            # A cheat that answers noise may by chance lose more.
-            function are_lost(    i, m, claim) {
-                m = split(loses, claim, " ")
-                for (i = 1; i <= m; i++) if (index(" " lost " ", " " claim[i] " ") == 0) return 0
-                return variant ~ /cheat/ || lost == loses
-            }
             { n++; all += $2 }
             $1 == "ok" { right++; points += $2 }
             $1 != "ok" { lost = lost (lost == "" ? "" : " ") $3 }
@@ -94,7 +88,7 @@ prove() {
                     printf "%s: %s is to be worth some of the points\n", name, variant
                     bad = 1
                 }
-                if (variant ~ /wrong|cheat/ && !are_lost()) {
+                if (variant ~ /wrong|cheat/ && lost != loses) {
                     printf "%s: %s loses: %s; must lose: %s\n", name, variant, lost, loses
                     bad = 1
                 }

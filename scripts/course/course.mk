@@ -3,20 +3,22 @@
 #   make assignment A=alias DEST=dir                      a starter kit
 #   make grade A=alias DEST=dir                           the points of what was made of it
 #   make grade-class A=alias FROM=handed-in/ [JOBS=2]     those of a class; FOR=moodle: and a table that Moodle imports
+#   make leaderboard FROM=handed-in/                      of a class's densities (open), by error x time
 #   make kit A=alias FOR=gradescope DEST=alias.zip        what Gradescope marks by; FOR=classroom50 DEST=folder: what
 #                                                         Classroom 50 does (docs/assignments/README.md)
 #   make check                                            in a kit: what make grade refuses, points, speed, memory
-.PHONY: assignment kit grader grade grade-class check check-clean
+.PHONY: assignment kit grader grade grade-class leaderboard check check-clean
 
 # How to compile a file more and link it before the library: for scripts/course/grade.sh and
 # scripts/course/check_assignments.sh.
-test test-tools lint assignment grade grade-class check: export BIS_BUILD = $B
-test test-tools lint grade grade-class check: export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) $(SHARED_BY_TESTS)
-test test-tools grade grade-class: export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
-test test-tools grade grade-class: export BIS_OBJECTS = $(SUPPORT) $(LIB)
-test test-tools grade grade-class: export BIS_SERVER = $(SERVER)
-test test-tools grade grade-class: export BIS_LIBS = $(LIBS) -lcmocka
-test test-tools grade grade-class: export BIS_SANITIZE = $(SANITIZED)
+MARKING := test test-tools grade grade-class leaderboard
+assignment lint check $(MARKING): export BIS_BUILD = $B
+lint check $(MARKING): export BIS_COMPILE = $(CC) $(CFLAGS) $(OURS) $(SHARED_BY_TESTS)
+$(MARKING): export BIS_LINK = $(CC) $(CFLAGS) $(OPENMP) $(LDFLAGS)
+$(MARKING): export BIS_OBJECTS = $(SUPPORT) $(LIB)
+$(MARKING): export BIS_SERVER = $(SERVER)
+$(MARKING): export BIS_LIBS = $(LIBS) -lcmocka
+$(MARKING): export BIS_SANITIZE = $(SANITIZED)
 
 # A call in the place of a return is a jump in the plain program, and takes no stack; so it is in the other.
 SANITIZED = $(ASAN) -foptimize-sibling-calls
@@ -39,6 +41,9 @@ grade: grader
 JOBS ?= 2
 grade-class: grader
 	@sh scripts/course/grade_class.sh "$(A)" "$(FROM)" "$(JOBS)" "$(FOR)"
+
+leaderboard: grader
+	@sh scripts/course/grade_class.sh open "$(FROM)" "$(JOBS)" leaderboard && cat "$(FROM:/=).open.leaderboard.csv"
 
 kit: $(if $(filter moodle,$(FOR)),grade-class,$(if $(FOR),,assignment))
 	@$(if $(filter-out moodle,$(FOR)),sh scripts/course/kit.sh "$(A)" "$(FOR)" "$(DEST)",:)

@@ -200,8 +200,7 @@ static int claims(options *o, const char *student, const char *ours)
         died += result.verdict == MARK_SLOW;
         if (result.verdict == MARK_BUSY) status = NOT_JUDGED;
         if (died == 2 && o->cpu > 1) o->cpu = 1;
-        printf("%s\t%d\t%s\t%s\n", result.verdict == MARK_HOLDS ? "ok" : "wrong", points, name,
-               result.verdict == MARK_HOLDS ? "" : result.text);
+        printf("%s\t%d\t%s\t%s\n", result.verdict == MARK_HOLDS ? "ok" : "wrong", points, name, result.text);
         fflush(stdout);
     }
     pclose(list);

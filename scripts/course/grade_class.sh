@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # grade_class: the points of a class, as FROM.NAME.csv and FROM.NAME.html beside FROM, and the groups that are alike
 # beyond what was given out, with our own solution, which is public, as one more.
-#     scripts/course/grade_class.sh NAME FROM JOBS [moodle]   (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
-# moodle: FROM.NAME.moodle.csv, too.
+#     scripts/course/grade_class.sh NAME FROM JOBS [KIND]     (make grade-class A=NAME FROM=handed-in/ [JOBS=2])
+# moodle: FROM.NAME.moodle.csv, too; leaderboard, of "open": FROM.open.leaderboard.csv. What stands in form.txt of a
+# hand-in goes to FROM.NAME.form.csv.
 # An entry of FROM is a student's: a starter kit, a folder with the file in any depth, or the file, of any name. What
 # goes wrong with one is a remark in the table, and the next is marked.
 name=$1
@@ -21,7 +22,7 @@ if [ -z "$name" ] || [ -z "$from" ]; then
 fi
 [ -f "tests/course/${name}_blank.c" ] || fail "there is no assignment \"$name\""
 [ -d "$from" ] || fail "$from is no folder"
-case $kind in "" | moodle) ;; *) fail "there is no table for \"$kind\"" ;; esac
+case $kind$name in "$name" | "moodle$name" | leaderboardopen) ;; *) fail "there is no table for \"$kind\"" ;; esac
 case $jobs in "" | *[!0-9]* | 0) fail "JOBS is a number from 1 on" ;; esac
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/grade-class.XXXXXX") || exit 1
@@ -104,12 +105,16 @@ done
         warned='^[0-9]* compiler warnings*$' # behind what failed, because a cell has little room
         sed "/^\$/d; /$warned/d; s/^/R\t/" "$work/$i/remarks" 2>/dev/null
         sed 's/^/L\t/' "$work/$i/lines"
+        path=$(cat "$work/$i/path" && echo x)
+        form=$(find "${path%x}" -maxdepth 3 -type f -name form.txt | head -n 1)
+        [ -z "$form" ] || head -c 4000 "$form" | tr -d '\000-\010\013-\037' | tr '\t' ' ' |
+            sed -n 's/^\([a-z][a-z ]*\): *\(.*[^ ]\)/F\t\1\t\2/p'
         sed -n "/$warned/s/^/R\t/p" "$work/$i/remarks" 2>/dev/null
     done
     tr ' ' '\t' <"$work/alike" | sed 's/^/A\t/'
 } >"$work/all"
 table_awk="-f scripts/course/short.awk -f scripts/course/grade_table.awk"
-for table in csv html ${kind:+$kind.csv}; do
+for table in csv html form.csv ${kind:+$kind.csv}; do
     # shellcheck disable=SC2086
     awk -v assignment="$name" -v kind="${table%.csv}" $table_awk "$work/all" >"$work/table" &&
         cp "$work/table" "$from.$name.$table" || exit 1

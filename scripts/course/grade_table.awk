@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # grade_table: the table of a class, from the lines of scripts/course/grade_class.sh, behind scripts/course/short.awk.
-# kind: csv; moodle, that of its grading worksheet; html; text, the groups alone.
+# kind: csv; moodle, that of its grading worksheet; html; text, the groups alone; form, what students answer;
+# leaderboard, of the times and variances that remarks tell.
 #     C points criterion      N name      R remark      L points of criterion message      A least most i j ...
+#     F question answer
 #     (with tabs between)
 function csv(s) {
     if (s ~ /^[=+\-@]/) s = "'" s # a formula, to a spreadsheet
@@ -25,6 +27,8 @@ function html(s) {
     gsub(/'/, "\\&#39;", s)
     return s
 }
+# The factor in a message "... 1.23 times ...".
+function times(s) { return match(s, /[0-9.]+ times/) ? substr(s, RSTART) + 0 : 0 }
 function note(i, s) { remark[i, ++n_remarks[i]] = s }
 # It comes first, as number 0. The student reads Moodle's, where it is not said.
 function note_likeness(i, s) { if (kind != "moodle") remark[i, 0] = remark[i, 0] (remark[i, 0] == "" ? "" : "; ") s }
@@ -48,6 +52,10 @@ $1 == "C" { of[++n_criteria] = $2; criterion[n_criteria] = $3; all += $2 }
 $1 == "N" { name[++n] = $2; k = 0 }
 $1 == "R" { note(n, $2) }
 $1 == "L" { points[n, ++k] = $2; sum[n] += $2; message[n, k] = $5; if ($5 != "") note(n, $4 ": " $5) }
+$1 == "L" && $4 ~ /^it_is_nearly_as_good/ { variance[n] = times($5) }
+$1 == "L" && $4 == "speed" { product[n] = variance[n] * times($5) }
+$1 == "F" && !asked[$2]++ { question[++n_questions] = $2 }
+$1 == "F" { answer[n, $2] = $3 }
 $1 == "A" {
     name[n + 1] = "our own solution"
     n_groups++
@@ -77,6 +85,24 @@ END {
             printf "%s,%s", csv(name[i]), sum_of(i, "not marked")
             for (c = 1; c <= n_criteria; c++) printf ",%s", cell(i, c)
             printf ",%s\r\n", csv(remarks(i, 1))
+        }
+    } else if (kind == "form") {
+        printf "student"
+        for (q = 1; q <= n_questions; q++) printf ",%s", csv(question[q])
+        printf "\r\n"
+        for (i = 1; i <= n; i++) {
+            printf "%s", csv(name[i])
+            for (q = 1; q <= n_questions; q++) printf ",%s", csv(short(answer[i, question[q]], 400))
+            printf "\r\n"
+        }
+    } else if (kind == "leaderboard") {
+        printf "place,student,variance times time (visible normals: 1)\r\n"
+        for (place = 1; place <= n; place++) {
+            best = 0
+            for (i = 1; i <= n; i++) if (product[i] > 0 && (!best || product[i] < product[best])) best = i
+            if (!best) break
+            printf "%d,%s,%.2f\r\n", place, csv(name[best]), product[best]
+            delete product[best]
         }
     } else if (kind == "html") {
         print "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" assignment "</title>"

@@ -68,14 +68,14 @@ bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M
     uint32_t n_portals;
 
     *c = (bis_clusters){.n = 0};
-    bis_light_portals(light, &n_portals);
+    const bis_portal *portals = bis_light_portals(light, &n_portals);
     status = bis_light_is_constant(light) ? make_map(&c->as_map, light, NULL) : BIS_OK;
     if (status) goto done;
     if (c->as_map) light = c->as_map;
     c->width = (uint32_t)bis_light_envmap(light)->width;
     status = cut(c, bis_light_importance(light), K);
     if (status) goto done;
-    c->n_parts = n_portals ? 2 * c->n : c->n;
+    bis_clusters_open(c, portals, n_portals);
     c->columns = (c->width + c->side - 1) / c->side; /* the last tile of a row may reach beyond the map */
     const uint32_t padded = bis_lanes_round_up(c->n);
     /* all points of a pass share the directions: where clusters are few, each has more */
@@ -93,6 +93,12 @@ done:
     bis_clusters_clear(c);
     return bis_error(diag, status, (bis_loc){0},
                      "no memory for the clusters of the environment map; proposal \"mix\" needs none");
+}
+
+void bis_clusters_open(bis_clusters *c, const bis_portal *portals, uint32_t n)
+{
+    for (c->n_portals = 0; c->n_portals < n; c->n_portals++) c->portals[c->n_portals] = portals[c->n_portals];
+    c->n_parts = n ? 2 * c->n : c->n;
 }
 
 void bis_clusters_clear(bis_clusters *c)

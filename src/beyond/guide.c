@@ -152,7 +152,7 @@ static bool draw(bis_guide *guide, bis_set *set, uint32_t n, const bis_point *pt
     if (n == 0) return true; /* all from the BRDF: bis_product_guide_look has made h */
     if (!bis_product_weigh(&g->product, g->clusters, &pt->bsdf)) return false;
     if (g->visibility && !bis_product_guess(&g->product, g->clusters, &g->guess)) return false;
-    const uint32_t n_through = bis_portals_look(&g->portals, pt->light, pt->origin, n);
+    const uint32_t n_through = bis_portals_look(&g->portals, g->clusters->portals, g->clusters->n_portals, pt, n);
     if (n_through && g->visibility) favour_portals(g);
     bis_stream_points(stream, BIS_DIM_MARKS, 1, marks);
     bis_stream_points(stream, BIS_DIM_PHASE, 1, phase);

@@ -5,6 +5,7 @@
 
 #include "bis/thesis/lanes.h"
 #include "bis/thesis/light.h"
+#include "bis/thesis/point.h"
 #include "bis/thesis/rng.h"
 
 typedef struct bis_portal_view {
@@ -34,9 +35,11 @@ typedef struct bis_portals {
     bis_portal_view view[BIS_PORTALS_MAX];
 } bis_portals;
 
-/* bis_portals_look stores how p sees the light's portals, and returns how many of n candidates are drawn through them:
- * half, or none if no portal is seen. Each portal gets as many as its solid angle is worth. */
-uint32_t bis_portals_look(bis_portals *p, const bis_light *light, vec3 origin, uint32_t n);
+/* bis_portals_look stores how a point sees portals, and returns how many of n candidates are drawn through them:
+ * half, fewer for a lobe that is narrower than they are, or none if no portal is seen. Each portal gets as many as its
+ * solid angle is worth. */
+uint32_t bis_portals_look(bis_portals *p, const bis_portal *portals, uint32_t n_portals, const bis_point *pt,
+                          uint32_t n);
 
 /* bis_portals_draw stores as many directions in x: each portal's evenly spread, in the order of a curve. u1, u2: room
  * for as many numbers, in whole blocks. */

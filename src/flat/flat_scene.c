@@ -221,6 +221,7 @@ bis_status bis_flat_scene_given(bis_light **light, bis_scene_desc *d, const bis_
 
     give(&desc, &image, w->light);
     desc.visible = d->light.visible;
+    desc.windows = d->light.windows;
     if (w->has_area_exponent) desc.area_exponent = d->light.area_exponent;
     desc.as_printed = d->view.settings.as_printed;
     desc.to_world = d->light.to_world;

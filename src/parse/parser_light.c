@@ -162,6 +162,7 @@ static void pass_over(bis_parser *p, bis_loc at)
     bis_portal portal;
     if (read_portal(p, &portal)) add_portal(p, at, &portal);
     bis_params_bool(p, "visible", &p->desc->light.visible);
+    bis_params_bool(p, "windows", &p->desc->light.windows);
     if (is_map && !p->desc->has_light) p->desc->has_light = light_frame(p, &p->desc->light.to_world);
 }
 
@@ -230,6 +231,7 @@ void bis_directive_light(bis_parser *p, bis_loc at)
     light_map(p, &light);
     light.illuminance = light_illuminance(p);
     bis_params_bool(p, "visible", &light.visible);
+    bis_params_bool(p, "windows", &light.windows);
     light_filter(p, &light);
     const bool has_portal = read_portal(p, &portal);
     bis_params_ignore(p, "LightSource");

@@ -8,6 +8,7 @@
 #include "ranks.h"
 #include "share.h"
 #include "survey.h"
+#include "windows.h"
 
 #include <inttypes.h>
 
@@ -65,6 +66,21 @@ static bis_status make_workers(bis_workspace *w, bis_diag *diag)
 /* Of the whole picture, so that a crop learns as the whole does. */
 static uint64_t pixels_of(const bis_film *f) { return (uint64_t)f->full_width * (uint64_t)f->full_height; }
 
+static bis_status make_clusters(bis_workspace *w, bis_diag *diag)
+{
+    const bis_light_desc *desc = &w->desc->light;
+    bis_clusters *const both[] = {&w->clusters, &w->of_twins};
+    bis_status status = BIS_OK;
+
+    if (desc->windows && !desc->n_portals)
+        status = bis_windows_find(w->windows, &w->n_windows, w->scene, &w->view->camera, w->film, diag);
+    for (int i = 0; i < (w->film->twin ? 2 : 1) && !status; i++) {
+        status = bis_clusters_init(both[i], w->scene->light, w->view->settings.candidates, diag);
+        if (!status && w->n_windows) bis_clusters_open(both[i], w->windows, w->n_windows);
+    }
+    return status;
+}
+
 /* Directions drawn once a pass, a pool or clusters, where they are of use and there is a surface to light. */
 static bis_status make_pool(bis_workspace *w, bis_diag *diag)
 {
@@ -78,9 +94,7 @@ static bis_status make_pool(bis_workspace *w, bis_diag *diag)
     const bis_beyond_needs needs = bis_beyond_needs_under(&w->view->settings, light);
     if (needs.n_pool == 0 && !needs.clusters) return BIS_OK;
     if (needs.n_pool) status = bis_pool_init(&w->pool, needs.n_pool, diag);
-    if (!status && needs.clusters) status = bis_clusters_init(&w->clusters, light, w->view->settings.candidates, diag);
-    if (!status && needs.clusters && w->film->twin)
-        status = bis_clusters_init(&w->of_twins, light, w->view->settings.candidates, diag);
+    if (!status && needs.clusters) status = make_clusters(w, diag);
     if (!status && needs.visibility)
         status = bis_visibility_init(&w->visibility, (size_t)w->n_tiles, bis_survey_squares(w->film),
                                      pixels_of(w->film), diag);

@@ -19,7 +19,7 @@ const bis_field bis_light_fields[] = {
     BIS_FIELD(bis_light_desc, has_table_kind, bool), BIS_FIELD(bis_light_desc, table_kind, bis_table_kind),
     BIS_FIELD(bis_light_desc, visible, bool), BIS_FIELD(bis_light_desc, is_smooth, bool),
     BIS_FIELD(bis_light_desc, to_world, double), BIS_FIELD(bis_light_desc, portals, double),
-    BIS_FIELD(bis_light_desc, n_portals, uint32_t), BIS_FIELDS_END};
+    BIS_FIELD(bis_light_desc, n_portals, uint32_t), BIS_FIELD(bis_light_desc, windows, bool), BIS_FIELDS_END};
 
 /* One warning for all bad values of a map (E7). */
 static void warn_defects(const bis_envmap_defects *d, const char *filename, bis_loc at, bis_diag *diag)
@@ -237,7 +237,7 @@ rgb bis_light_seen(const bis_light_desc *desc, const bis_light *light, vec3 d)
 bis_light_desc bis_light_desc_default(void)
 {
     return (bis_light_desc){.L = {1, 1, 1}, .scale = 1, .area_exponent = BIS_AREA_EXPONENT, .levels = BIS_LEVELS,
-                            .visible = true, .to_world = bis_xform_identity()};
+                            .visible = true, .windows = true, .to_world = bis_xform_identity()};
 }
 
 bis_table_kind bis_light_table_kind(const bis_light_desc *desc, unsigned needs, bis_sampler_kind sampler)

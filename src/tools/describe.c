@@ -49,6 +49,20 @@ const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bo
     return line;
 }
 
+const char *bis_describe_portal(char text[BIS_MAX_LINE], const bis_portal *portal)
+{
+    char buf[32];
+
+    *text = '\0';
+    for (int k = 0; k < 12; k++) {
+        const int i = k % 3;
+        const double v = portal->corner[i] + (k / 3 % 3 ? portal->edge[0][i] : 0) + (k > 5 ? portal->edge[1][i] : 0);
+        bis_append(text, BIS_MAX_LINE, "%s%s", k ? " " : "\"point3 portal\" [", bis_format_double(buf, v));
+    }
+    bis_append(text, BIS_MAX_LINE, "]");
+    return text;
+}
+
 /* `3 x AreaLightSource: its light is missing; ...`, behind what text holds. */
 static void list_approximations(char text[BIS_APPROXIMATED_TEXT], const bis_scene_desc *desc)
 {
@@ -146,6 +160,17 @@ static void print_approximations(bis_json *j, const bis_scene_desc *d, const cha
     bis_json_close(j);
 }
 
+/* Each as the text of a parameter of the light. Where none was found there is no such key. */
+static void print_windows(bis_json *j, const bis_render_result *r)
+{
+    char text[BIS_MAX_LINE];
+
+    if (!r->n_windows) return;
+    bis_json_open(j, "windows", '[');
+    for (uint32_t i = 0; i < r->n_windows; i++) bis_json_text(j, NULL, bis_describe_portal(text, &r->windows[i]));
+    bis_json_close(j);
+}
+
 static void print_extent(bis_json *j, const bis_box *b)
 {
     if (!b) {
@@ -190,6 +215,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
                      {"fallbacks", count(rejects && settings->estimator == BIS_ESTIMATOR_RATIO,
                                          r->counters.fallbacks)});
     print_approximations(&j, s->desc, s->approximated);
+    print_windows(&j, r);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->error.is_known ? r->error.relative_rmse : (double)NAN);
     bis_json_number(&j, "relative_rmse_at_most", r->error.has_upper ? r->error.upper : (double)NAN);

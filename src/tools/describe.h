@@ -16,6 +16,9 @@ int bis_describe_settings(const bis_settings *s, bis_attribute parameters[BIS_MA
  * what has its default, too; else counts and what differs. */
 const char *bis_describe_line(char line[BIS_MAX_LINE], const bis_settings *s, bool all);
 
+/* bis_describe_portal writes a portal as a LightSource would say it: "point3 portal" [...]. */
+const char *bis_describe_portal(char text[BIS_MAX_LINE], const bis_portal *portal);
+
 /* Everything that --stats tells. seconds.write and .total are those so far. */
 typedef struct bis_stats {
     const bis_scene_desc *desc;

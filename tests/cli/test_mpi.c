@@ -124,6 +124,27 @@ static void any_number_of_ranks_makes_the_bits_of_one_process(void **state)
     }
 }
 
+/* With a portal, and where it is found. */
+static void ranks_draw_through_the_same_portal(void **state)
+{
+    static const char *const commands[] = {
+        "cp data/scenes/pbrt/window-v4.txt " DIR "/window.txt",
+        "sed '/point3 portal/d' data/scenes/pbrt/window-v4.txt > " DIR "/window.txt",
+    };
+    program_run r;
+
+    skip_without_mpi();
+    assert_int_equal(system("mkdir -p " DIR "/maps && cp data/maps/outdoor.hdr " DIR "/maps"), 0);
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(system(commands[i]), 0);
+        assert_int_equal(system("sed -i 's|../../maps|maps|' " DIR "/window.txt"), 0);
+        program_expect(&r, 0, DIR "/window.txt --resolution 60x40 --spp 5 --outfile " DIR "/%c.pfm", 'a' + i);
+        expect_mpi(3, DIR "/window.txt --resolution 60x40 --spp 5 --outfile " DIR "/c.pfm");
+        assert_same_file(DIR "/a.pfm", DIR "/c.pfm");
+    }
+    assert_same_file(DIR "/a.pfm", DIR "/b.pfm");
+}
+
 /* 3 ranks, then one process, then 2, then 5 ranks. */
 static void a_checkpoint_goes_on_with_another_number_of_ranks(void **state)
 {
@@ -293,6 +314,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_number_of_ranks_makes_the_bits_of_one_process),
+        cmocka_unit_test(ranks_draw_through_the_same_portal),
         cmocka_unit_test(a_checkpoint_goes_on_with_another_number_of_ranks),
         cmocka_unit_test(with_a_time_the_ranks_end_together),
         cmocka_unit_test(a_rank_that_has_another_scene_or_none_is_named),

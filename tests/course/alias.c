@@ -4,10 +4,9 @@
 #include "mark.h"
 
 #include "bis/thesis/alias.h"
-#include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 
-/* The student's tables of these weights, whose values are probabilities and items. bis_alias_clear them. */
+/* The student's tables of these weights, whose values are probabilities and items. */
 static bis_alias alias_of(const double *w, size_t n)
 {
     bis_alias a = {.n = n, .total = 1, .prob = mark_alloc(n, sizeof *a.prob), .alias = mark_alloc(n, sizeof *a.alias)};
@@ -43,7 +42,6 @@ static bis_alias right_alias_of(const double *w, size_t n)
         if (most == least) a.prob[least] = 1; /* the last one, but for rounding */
         else a.prob[most] -= 1 - a.prob[least];
     }
-    bis_free(done);
     return a;
 }
 
@@ -85,7 +83,6 @@ static void check_table(const bis_alias *a, const double *w)
                    "bin, and what other bins "
                    "give it as their alias)", i, n, pmf[i], w[i] / sum);
     }
-    bis_free(pmf);
 }
 
 static void check_pmf(const double *w, size_t n)
@@ -93,7 +90,6 @@ static void check_pmf(const double *w, size_t n)
     bis_alias a = alias_of(w, n);
 
     check_table(&a, w);
-    bis_alias_clear(&a);
 }
 
 /* What holds of any right table, and of most that are not: the bin of an item that lacks something holds the item
@@ -115,7 +111,6 @@ static void check_small_bins(const double *w, size_t n)
                        n, i, a.alias[i]);
         }
     }
-    bis_alias_clear(&a);
 }
 
 static void figure_3_4_comes_out(void)
@@ -156,14 +151,12 @@ static void tables_hold_for_a_contrast_of_1e12_and_a_million_items(void)
     fill_contrasty(w, 64, 3, 2);
     bis_alias a = alias_of(w, 64);
     const bool right = first_wrong(pmf, &sum, &a, w) == 64;
-    bis_alias_clear(&a);
     fill_contrasty(w, n, 1, 12);
     check_large(w, n, right);
     for (size_t i = 0; i < n; i++) w[i] = i == 77 ? 1e12 : 1; /* one giver for all */
     check_large(w, n, right);
     fill_contrasty(w, many, 2, 2);
     check_large(w, many, right);
-    bis_free(w);
 }
 
 /* Bin j holds j and j + 1, half and half: a million coins, each tossed by what 20 bits of bin leave of u. */
@@ -189,9 +182,6 @@ static void check_pick_of_many(void)
                        "the coin a float?", n, u[k], j, k % 2 ? 0.51 : 0.49, item[k], must);
         }
     }
-    bis_free(u);
-    bis_free(item);
-    bis_alias_clear(&a);
 }
 
 static void the_bin_and_the_coin_come_from_one_u(void)
@@ -250,7 +240,6 @@ static void an_item_of_weight_0_is_not_drawn_even_when_the_coin_is_0(void)
                 mark_wrong("item %zu of %zu is never drawn, though its weight is %g", i, n, w[i]);
             }
         }
-        bis_alias_clear(&a);
     }
 }
 
@@ -273,9 +262,6 @@ static void items_are_drawn_with_their_probabilities(void)
     mark_fit(observed, expected, N, MARK_ALPHA, "50 items of random weights, from right tables",
              "Which of the two outcomes of a bin comes "
              "first?");
-    bis_alias_clear(&a);
-    bis_free(u);
-    bis_free(item);
 }
 
 /* But where the coin is as near to prob as rounding may bring it. */
@@ -303,11 +289,7 @@ static void work(void)
         pick(item, &a, u, DRAWS);
         check_table(&a, w);
         check_items(item, &a, u, DRAWS);
-        bis_alias_clear(&a);
     }
-    bis_free(w);
-    bis_free(u);
-    bis_free(item);
 }
 
 int main(int argc, char **argv)

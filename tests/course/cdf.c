@@ -3,7 +3,6 @@
  * One statistical test. */
 #include "mark.h"
 
-#include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 
 #include <float.h>
@@ -44,7 +43,6 @@ static void draw(size_t *item, double *remainder, const double *c, size_t n, con
     }
     ASK(ASK_SEARCH, GIVE(c, n + 1), GIVE(guide, n_guide + 1), GIVE(u, n_u), TAKE(item, n_u),
         TAKE(remainder, remainder ? n_u : 0));
-    bis_free(guide);
 }
 
 /* Every fifth weight is 0; the others run over 12 decades. */
@@ -84,8 +82,6 @@ static void check_ends(size_t n)
                    c[n]);
     }
     check_sums(c, w, n);
-    bis_free(c);
-    bis_free(w);
 }
 
 static void C_is_the_running_sum_of_the_probabilities(void)
@@ -166,10 +162,6 @@ static void a_large_table_is_searched_as_by_hand(void)
     }
     draw(item, NULL, c, n, u, DRAWS);
     check_items(c, item, n, u, DRAWS);
-    bis_free(w);
-    bis_free(c);
-    bis_free(u);
-    bis_free(item);
 }
 
 static void items_are_drawn_with_their_probabilities(void)
@@ -189,8 +181,6 @@ static void items_are_drawn_with_their_probabilities(void)
     mark_fit(observed, expected, N, MARK_ALPHA, "64 items of weights 0.1, 1, 0.1, 1 ...",
              "A small item must be found as "
              "surely as a large one.");
-    bis_free(u);
-    bis_free(item);
 }
 
 /* Of two items the second one's interval ends at 1. In a quarter of all cases the differences from C[1] to 1 and to
@@ -256,8 +246,6 @@ static void many_small_items_after_a_large_one_do_not_vanish(void)
     mark_near(c[n] - c[1], 1e-16 * (double)(n - 1), 1e-15, 0,
               "the probability of %zu items of 1e-16 after one of 1 (a plain "
               "sum in double loses each of them: see Neumaier 1974)", n - 1);
-    bis_free(w);
-    bis_free(c);
 }
 
 static void work(void)
@@ -272,10 +260,6 @@ static void work(void)
     check_sums(c, w, n);
     draw(item, NULL, c, n, u, DRAWS);
     check_items(c, item, n, u, DRAWS);
-    bis_free(w);
-    bis_free(c);
-    bis_free(u);
-    bis_free(item);
 }
 
 int main(int argc, char **argv)

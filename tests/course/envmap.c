@@ -5,7 +5,6 @@
 #include "mark.h"
 
 #include "bis/thesis/regions.h"
-#include "bis/base/mem.h"
 
 #include "map_help.h"
 
@@ -44,8 +43,6 @@ static void a_pixel_of_each_row_has_its_solid_angle(void)
                       height);
         }
         mark_near(cosine[height], -1, 1e-12, 0, "cos_edge[%d] of a %d x %d map", height, width, height);
-        bis_free(angle);
-        bis_free(cosine);
     }
 }
 
@@ -166,9 +163,6 @@ static void a_direction_finds_its_pixel(void)
         }
     }
     check_known_pixels(&m);
-    bis_free(u);
-    bis_free(w);
-    bis_free(pixel);
 }
 
 /* ---- drawing ---- */
@@ -192,7 +186,6 @@ static drawing draw_from(bis_envmap em, const bis_importance_options *options, c
 
     d.angle = mark_alloc((size_t)em.height, sizeof *d.angle);
     tables_of(em.width, em.height, d.angle, cosine);
-    bis_free(cosine);
     d.pdf_pixel = mark_alloc(d.n, sizeof *d.pdf_pixel);
     d.drawn = mark_alloc(n_draws, sizeof *d.drawn);
     if (with_pdf) d.pdf = mark_alloc(n_draws, sizeof *d.pdf);
@@ -200,15 +193,6 @@ static drawing draw_from(bis_envmap em, const bis_importance_options *options, c
         TAKE(d.drawn, n_draws),
         TAKE(d.pdf, with_pdf ? n_draws : 0));
     return d;
-}
-
-static void drawing_clear(drawing *d)
-{
-    bis_free(d->angle);
-    bis_free(d->pdf_pixel);
-    bis_free(d->pdf);
-    bis_free(d->drawn);
-    bis_envmap_clear(&d->em);
 }
 
 static double angle_of(const drawing *d, size_t pixel) { return d->angle[pixel / (size_t)d->em.width]; }
@@ -242,8 +226,6 @@ static void check_weighted_density(void)
                            i % 128, i / 128);
         }
     }
-    bis_regions_clear(&regions);
-    drawing_clear(&d);
 }
 
 static void check_density(const drawing *d)
@@ -266,7 +248,6 @@ static void the_density_is_the_intensity_over_the_power(void)
     drawing d = draw_from(map_random(16, 8, 3, 0.2, mark_seed(5)), &by_alias, NULL, 0, false);
 
     check_density(&d);
-    drawing_clear(&d);
     check_weighted_density();
 }
 
@@ -310,8 +291,6 @@ static void draw(const bis_importance_options *options, const char *what)
     for (size_t i = 0; i < CELLS; i++) expected[i] = DRAWS * power_of(&d, i / 4) / power / 4;
     mark_fit(observed, expected, CELLS, MARK_ALPHA, what, "Cell c is a quarter of pixel c/4. Rows by their sum, then a "
              "pixel of the row, then a place in it.");
-    bis_free(u);
-    drawing_clear(&d);
 }
 
 /* Which of the four numbers may matter: the place has u[2] and u[3] with alias tables; u[0] and u[1] alone do it all
@@ -349,9 +328,6 @@ static void check_numbers(const bis_importance_options *options, const char *wha
             mark_wrong("%s: u[2] and u[3] do not move the place in the pixel", what);
         }
     }
-    bis_free(random);
-    bis_free(u);
-    drawing_clear(&d);
 }
 
 static void directions_are_drawn_from_alias_tables(void)
@@ -383,8 +359,6 @@ static void irradiance_of_a_constant_map_is_pi_on_every_side(void)
         }
         mark_mean(&m, PI, MARK_ALPHA, "irradiance under a map of radiance 1", "What is drawn and what the density says "
                   "must be the same.");
-        bis_free(u);
-        drawing_clear(&d);
     }
 }
 
@@ -410,10 +384,6 @@ static void work(void)
     /* rounding may carry a direction over the edge of its pixel */
     if (elsewhere > n / 1000) mark_wrong("%s: %zu of %zu directions have another density than was drawn by", what,
                                          elsewhere, n);
-    bis_free(observed);
-    bis_free(expected);
-    bis_free(u);
-    drawing_clear(&d);
 }
 
 int main(int argc, char **argv)

@@ -4,7 +4,6 @@
  * not. */
 #include "mark.h"
 
-#include "bis/base/mem.h"
 #include "shape/grid.h"
 #include "mesh_help.h"
 
@@ -22,11 +21,6 @@ static void world_init(world *w, bis_mesh m, double density)
 
     *w = (world){.density = density};
     add_mesh(&w->g, &m, &identity, 0);
-}
-
-static void world_free(world *w)
-{
-    bis_geometry_clear(&w->g);
 }
 
 /* What the student's walk finds by n rays. */
@@ -142,7 +136,6 @@ static int check_all(const world *w, const ray *r, size_t n, const char *what)
     int hits = 0;
 
     for (size_t k = 0; k < n; k++) hits += check(w, &r[k], &h[k], what);
-    bis_free(h);
     return hits;
 }
 
@@ -169,7 +162,6 @@ static void one_triangle_is_hit_and_missed(void)
     }
     expect_hits(check_all(&w, down, 400, "one triangle from above") + check_all(&w, up, 400,
             "one triangle from below"), 300, "one triangle");
-    world_free(&w);
 }
 
 /* From inside and outside the unit cube towards a point in it. */
@@ -214,8 +206,6 @@ static void check_soup(size_t n, double size, double density, double away, bool 
 
     for (int k = 0; !any_way && k < RAYS; k++) r[k] = upwards(r[k]);
     expect_hits(check_all(&w, r, RAYS, what), least, what);
-    bis_free(r);
-    world_free(&w);
 }
 
 static void small_triangles_from_outside_are_met(void)
@@ -254,7 +244,6 @@ static void rays_along_an_axis_are_met(void)
         r[k] = (ray){{o[0], o[1], o[2]}, normalize((vec3){d[0], d[1], d[2]}), INFINITY};
     }
     expect_hits(check_all(&w, r, RAYS, "a direction with a component of 0 or -0"), 300, "rays along axes");
-    world_free(&w);
 }
 
 /* A plane of the box itself, and rays that lie in a wall between cells. */
@@ -277,7 +266,6 @@ static void the_last_cell_is_visited(void)
     expect_hits(check_all(&w, inside, 2000, "a box open at the sides: from its middle to floor or ceiling, in the "
                           "first and last layer of cells"), 1500,
                 "floor and ceiling");
-    world_free(&w);
 }
 
 /* Where the ray is inside of cell c enlarged by `slack` of its size on each side: t from in to out. False: nowhere. */
@@ -332,7 +320,7 @@ static long double nearest_but(const world *w, uint32_t decoy, const ray *r)
     return t;
 }
 
-/* What lies in the cells, in the place of what the grid put there: bis_free the arrays. */
+/* What lies in the cells, in the place of what the grid put there. */
 typedef struct cells {
     uint32_t *offsets, *items;
     uint64_t *occupied;
@@ -408,12 +396,6 @@ static void only_the_cells_on_the_way_are_looked_at(void)
         }
     }
     if (traps == 0) mark_wrong("not a single cell was off the way");
-    bis_free(p);
-    bis_free(c.offsets);
-    bis_free(c.items);
-    bis_free(c.occupied);
-    bis_accel_free(grid);
-    world_free(&w);
 }
 
 static void tmax_ends_the_ray(void)
@@ -435,9 +417,6 @@ static void tmax_ends_the_ray(void)
     expect_hits(check_all(&w, r, (size_t)n, "a ray that ends just before or just behind its nearest hit"), 200,
                 "rays that end behind a hit");
     expect_hits(cut, 200, "rays that end before a hit");
-    bis_free(r);
-    bis_free(h);
-    world_free(&w);
 }
 
 static void far_origins_are_met(void)
@@ -456,7 +435,6 @@ static void far_origins_are_met(void)
     }
     check_all(&w, away, N, "a ray that flies away from the box");
     expect_hits(check_all(&w, there, N, "an origin 500 boxes away"), 200, "far origins");
-    world_free(&w);
 }
 
 static void work(void)
@@ -473,9 +451,6 @@ static void work(void)
         const size_t k = (size_t)(random_double(&seed) * (double)n);
         check(&w, &r[k], &h[k], "the load that is timed");
     }
-    bis_free(h);
-    bis_free(r);
-    world_free(&w);
 }
 
 int main(int argc, char **argv)

@@ -3,7 +3,6 @@
  * Closed forms, and quadrature over the sphere. Statistical tests: 10. */
 #include "mark.h"
 
-#include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 #include "bis/thesis/warp.h"
 
@@ -36,7 +35,6 @@ static void sample(const ask_surface *s, const double *u, size_t n, vec3 *wi)
                        "not refused: errata E34)");
         }
     }
-    bis_free(drawn);
 }
 
 static void the_lobe_is_drawn_by_eq_3_16(void)
@@ -92,10 +90,6 @@ static void the_azimuth_of_the_lobe_is_uniform(void)
     }
     for (int i = 0; i < CELLS; i++) expected[i] = DRAWS / (double)CELLS;
     mark_fit(observed, expected, CELLS, MARK_ALPHA, "sixteen sectors about the lobe's axis", "phi = 2 pi u2.");
-    bis_free(u);
-    bis_free(in);
-    bis_free(wi);
-    bis_free(pdf);
 }
 
 static void narrow_lobes_keep_their_precision(void)
@@ -118,7 +112,6 @@ static void narrow_lobes_keep_their_precision(void)
                   "n = 1e6, u1 = %g, where 1 - cos theta is %.2Lg (what do pow and "
                   "sqrt(1 - cos^2) leave of it? expm1 and log1p do better): sin theta", in[k][1], versine);
     }
-    bis_free(u);
 }
 
 /* f, and the density q of the handout. */
@@ -204,7 +197,6 @@ static void f_is_eq_3_14(void)
                           acos(fmax(-1, fmin(1, bis_bsdf_cos(b, l->wi[k])))) * 180 / PI, i);
         }
     }
-    bis_free(l);
 }
 
 /* Integral over the sphere, by midpoints about the lobe's axis. */
@@ -220,8 +212,6 @@ static double integral_of_pdf(const ask_surface *s, const bis_bsdf *b)
     }
     ASK(ASK_F, GIVE(s, 1), GIVE(wi, K * K), TAKE(wi, 0), TAKE(pdf, 0), TAKE(pdf, K * K));
     for (int i = 0; i < K * K; i++) sum += pdf[i];
-    bis_free(wi);
-    bis_free(pdf);
     return sum * 4 * PI / K / K;
 }
 
@@ -243,7 +233,6 @@ static void check_density(void)
                           ? " that comes with f" : "");
         }
     }
-    bis_free(l);
 }
 
 static void the_density_is_q_and_integrates_to_1(void)
@@ -283,9 +272,6 @@ static void check_directions(const bis_bsdf *b, const double *u, const vec3 *wi,
                   "u0 = %.3f, p_s = %.3f, u1 = %.3f: the cosine about the %s", u[3 * k], b->p_specular, in[k][1],
                   lobe ? "lobe's axis" : "normal");
     }
-    bis_free(in);
-    bis_free(pdf);
-    bis_free(about_axis);
 }
 
 static void check_choice_of_a_lobe(void)
@@ -305,7 +291,6 @@ static void check_choice_of_a_lobe(void)
     sample(&only_lobe, half, 1, wi);
     ASK(ASK_SAMPLE, GIVE(&none, 1), GIVE(half, 3), TAKE(wi, 1), TAKE(&drawn, 1));
     if (drawn) mark_wrong("a black material: the result must be false, nothing is drawn");
-    bis_free(u);
 }
 
 /* The cells: 8 rings of equal solid angle about the normal x 8 sectors. */
@@ -341,9 +326,7 @@ static void samples_have_the_density(void)
         mark_fit(observed, expected, CELLS, MARK_ALPHA, "rings and sectors about the normal",
                  "The cosine and the lobe, "
                  "which reaches below the horizon, each with its share (errata E34, E35).");
-        bis_free(u);
     }
-    bis_free(wi);
 }
 
 /* Of a surface without the lobe where that is wrong, which costs other claims. */
@@ -377,11 +360,7 @@ static void the_albedo_comes_out_of_the_samples(void)
         snprintf(what, sizeof what, "albedo seen at %d degrees, n = 10", degrees);
         if (Ks > 0) mark_mean(&mean, truth, MARK_ALPHA, what, in_lobe);
         else mark_near(mean.mean, truth, 1e-4, 0, "%s, without the lobe", what); /* Kd, but for quadrature */
-        bis_free(u);
     }
-    bis_free(wi);
-    bis_free(f);
-    bis_free(pdf);
 }
 
 static void work(void)
@@ -405,10 +384,6 @@ static void work(void)
         mark_near((double)f[k].g, (double)must.g, 1e-6, 5e-5, "the load that is timed: f");
         mark_near(pdf[k], q, 1e-6, 5e-5, "the load that is timed: the density");
     }
-    bis_free(u);
-    bis_free(pdf);
-    bis_free(wi);
-    bis_free(f);
 }
 
 int main(int argc, char **argv)

@@ -4,12 +4,11 @@
 
 #include "bis/thesis/regions.h"
 
-#include "bis/base/mem.h"
 #include "bis/thesis/rng.h"
 
 #include "map_help.h"
 
-/* The student's regions of a map; bis_regions_clear them. A label may be any number. */
+/* The student's regions of a map. A label may be any number. */
 static bis_regions regions_of(const bis_envmap *em, int levels)
 {
     const ask_map m = {.width = em->width, .height = em->height, .levels = levels};
@@ -56,8 +55,6 @@ static void expect_labels(int width, int height, const char *rows, const uint32_
         mark_wrong("%s: pixel (%d, %d) is in region %u, must be in %u", what, i % width, i / width, r.label[i], must);
     }
     if (r.n != n) mark_wrong("%s: %u regions, must be %u", what, r.n, n);
-    bis_regions_clear(&r);
-    bis_envmap_clear(&em);
 }
 
 /* Pixels of one letter are one region, and those of two are two. What has no letter is dim, not black, and of no
@@ -81,8 +78,6 @@ static void expect(int width, int height, const char *rows, const char *letters,
                        "in one region, must be in two");
         }
     }
-    bis_regions_clear(&r);
-    bis_envmap_clear(&em);
 }
 
 /* Any least and largest intensity, any number of levels; away from the edges of a level, where rounding decides. */
@@ -108,7 +103,6 @@ static void check_random_levels(void)
         intensity[2 * k] = least * pow(most[k] / least, at);
         intensity[2 * k + 1] = least;
         exact[k] = n * at;
-        bis_envmap_clear(&em);
     }
     levels_of(level, l, intensity, 2 * N);
     for (int k = 0; k < N; k++) {
@@ -123,11 +117,6 @@ static void check_random_levels(void)
                        intensity[2 * k + 1], most[k], level[2 * k + 1]);
         }
     }
-    bis_free(l);
-    bis_free(intensity);
-    bis_free(most);
-    bis_free(exact);
-    bis_free(level);
 }
 
 /* Two lit pixels of these intensities, and 8 levels. */
@@ -138,7 +127,6 @@ static bis_levels eight_levels(float least, float most)
     em.pixels[0].g = least;
     em.pixels[1].g = most;
     const bis_levels l = bis_levels_of(&em, 8);
-    bis_envmap_clear(&em);
     return l;
 }
 
@@ -215,9 +203,6 @@ static void check_random_map(size_t width, size_t height, uint64_t seed)
         labels[i] = rows[i] == '.' ? BIS_REGION_NONE : its == i ? next++ : labels[its];
     }
     expect_labels((int)width, (int)height, rows, labels, "random pixels of two levels");
-    bis_free(rows);
-    bis_free(labels);
-    bis_free(first);
 }
 
 static void neighbours_of_a_level_are_one_region(void)
@@ -326,8 +311,6 @@ static void solid_angles_are_summed(void)
               "the solid angle of three pixels about the north pole");
     mark_near(r.solid_angle[1], 3 * map_solid_angle(&em, 24), 0, 1e-12, "the solid angle of three pixels about the "
               "south pole");
-    bis_regions_clear(&r);
-    bis_envmap_clear(&em);
 }
 
 static void a_large_map_needs_no_deep_recursion(void)
@@ -338,8 +321,6 @@ static void a_large_map_needs_no_deep_recursion(void)
     bis_regions r = regions_of(&em, 8);
     if (r.n != 1) mark_wrong("a constant map of 1024 x %d pixels has %u regions, must be 1", em.height, r.n);
     mark_near(r.solid_angle[0], 4 * PI, 0, 1e-9, "the solid angle of a constant map");
-    bis_regions_clear(&r);
-    bis_envmap_clear(&em);
 
     /* Were a pole's row walked anew for each of its pixels, these were 60 * 2 * 2^30 steps, far beyond the time of a
      * claim. */
@@ -348,9 +329,7 @@ static void a_large_map_needs_no_deep_recursion(void)
     for (int k = 0; k < 60; k++) {
         r = regions_of(&em, 8);
         if (r.n != 1) mark_wrong("a constant map of 32768 x 3 pixels has %u regions, must be 1", r.n);
-        bis_regions_clear(&r);
     }
-    bis_envmap_clear(&em);
 }
 
 static void work(void)

@@ -8,7 +8,6 @@
  * (struct own). */
 #include "replay.h"
 
-#include "bis/base/mem.h"
 #include "thesis/set.h"
 
 static const char *const hint = "L = (Zhat/N) sum of F/phat V over the chosen, Zhat = W/M: the mean weight of these "
@@ -122,12 +121,6 @@ static weighed weigh(const ask_scene *scene, const bis_set *x)
     return g;
 }
 
-static void weighed_clear(weighed *g)
-{
-    bis_free(g->w);
-    for (int c = 0; c < 3; c++) bis_free(g->F[c]);
-}
-
 static void check_weights(bis_proposal proposal, const char *what)
 {
     const bis_settings s = sir(proposal, CANDIDATES, 1, false);
@@ -153,9 +146,6 @@ static void check_weights(bis_proposal proposal, const char *what)
     }
     mark_near(g.Zhat, sum / CANDIDATES, 0, 1e-5, "%s: the mean of the weights (have you written beyond the n "
               "candidates?)", what);
-    weighed_clear(&g);
-    bis_scratch_clear(&scratch);
-    bis_light_free(l.light);
 }
 
 static void weights_from_the_map_are_phat_over_q(void) { check_weights(BIS_PROPOSAL_EM, "candidates from the map"); }
@@ -201,13 +191,6 @@ static chosen choose(uint32_t N, double W, bis_resampling kind, size_t runs)
     ASK(ASK_CHOICES, GIVE(&m, 1), GIVE(w, ITEMS), TAKE(c.n, runs), TAKE(c.item, runs * ROOM),
         TAKE(c.times, runs * ROOM));
     return c;
-}
-
-static void chosen_clear(chosen *c)
-{
-    bis_free(c->n);
-    bis_free(c->item);
-    bis_free(c->times);
 }
 
 /* What must hold whenever N marks are given. */
@@ -261,7 +244,6 @@ static void check_last_marks(bis_resampling kind)
                        (unsigned)marks, N, LAST);
         }
     }
-    chosen_clear(&c);
 }
 
 static void check_choice(bis_resampling kind, const char *what)
@@ -292,7 +274,6 @@ static void check_choice(bis_resampling kind, const char *what)
         mark_mean(&square, N * (3 / W) * (1 - 3 / W), MARK_ALPHA, "multinomial: the square of how far the count of "
                   "candidate 3 is from its mean", "N independent marks: next_mark gives them in order.");
     }
-    chosen_clear(&c);
 }
 
 static void candidates_are_chosen_in_proportion_to_their_weights(void)
@@ -348,9 +329,6 @@ static own own_under(const ask_scene *of, uint32_t *lit_ones)
         weighed g = weigh(&scene, x);
         add_half(&o, lit_ones, &l, &g, &x->map, o.sums + (size_t)k * OWN);
         add_half(&o, lit_ones, &l, &g, &x->brdf, o.sums + (size_t)k * OWN + x->map.n);
-        weighed_clear(&g);
-        bis_scratch_clear(&scratch);
-        bis_light_free(l.light);
     }
     return o;
 }
@@ -367,7 +345,6 @@ static own own_of(ask_scene *scene, const char *what)
                    lit_ones, SETS * OWN);
     }
     if (!o.some_below_0) return o;
-    bis_free(o.sums);
     scene->map = LIT_ONE_BLOCK;
     return own_under(scene, &other);
 }
@@ -414,9 +391,6 @@ static void check(bis_settings s, lit_hidden hidden, uint32_t runs, const char *
         mark_moments(m, e, runs);
         for (int i = 0; i < 3; i++) check_same_mean(&m[i], &o.value[i], what, hint);
     }
-    bis_free(o.sums);
-    bis_light_free(l.light);
-    bis_free(e);
 }
 
 /* With one candidate and one ray nothing is chosen: each estimate is w F/phat V of the candidate that the code draws,
@@ -446,10 +420,6 @@ static void check_one(bis_proposal proposal, const char *what)
         r.must[k] = (ask_estimate){.L = rgbd_round(rgbd_scale(F_of(&g, half->first), scale)), .rays = w > 0,
             .first = {.n = w > 0, .to = {wi}}};
         with_weight += w > 0 && phat > 0;
-        bis_free(e);
-        weighed_clear(&g);
-        bis_scratch_clear(&scratch);
-        bis_light_free(l.light);
     }
     if (with_weight < r.n / 8) mark_wrong("%s: only %u of %u candidates weigh anything", what, with_weight, r.n);
     replay_check(&r, what, "the candidates", hint);
@@ -495,9 +465,6 @@ static void check_noise(uint32_t M, uint32_t N, const char *what, const char *wh
     }
     if (o.is_right) mark_mean(&square, lit_variance_em(&l) / M, MARK_ALPHA, what, why);
     else check_same_mean(&square, &must, what, why);
-    bis_free(o.sums);
-    bis_light_free(l.light);
-    bis_free(e);
 }
 
 static void unbiased_for_many_candidates(void)

@@ -96,8 +96,9 @@ static void each_has_its_handout_and_its_line_for_the_teacher(void **state)
         assert_true(program_exists(handout));
         assert_has(contents("docs/assignments/README.md"), reference);
         const char *text = contents(handout);
-        const char *parts[] = {"**Time**", "**Thesis**",          "## What you learn", "## What to write",
-                               "## Hints", "## How it is marked", "## A stretch"};
+        const char *parts[] = {"**Time**", "**Thesis**", "## What you learn",     "## On paper, before you write",
+                               "## What to write", "## Hints", "## How it is marked", "## In your own run",
+                               "## A stretch"};
         for (size_t k = 0; k < sizeof parts / sizeof *parts; k++) {
             if (!strstr(text, parts[k])) fail_msg("%s has no \"%s\"", handout, parts[k]);
         }
@@ -106,6 +107,10 @@ static void each_has_its_handout_and_its_line_for_the_teacher(void **state)
                  "awk -F '|' '/^[|] *[0-9]/ { n = split($2, a, \"+\"); for (i = 1; i <= n; i++) all += a[i] } "
                  "END { exit all != 100 }' %s", handout);
         if (shell(command) != 0) fail_msg("the points in %s do not sum to 100", handout);
+        snprintf(command, sizeof command,
+                 "sed -n '/^## %s$/,/^## /p' docs/assignments/answers.md | "
+                 "grep -c '^1\\. \\|^\\*Own run\\*\\|^\\*By word of mouth\\*' | grep -qx 3", names[i]);
+        if (shell(command) != 0) fail_msg("the written half of %s has no answers", names[i]);
     }
     assert_int_equal(shell("ls tests/course | sed -n 's/_blank\\.c$//p' > build/test_assignments.out"), 0);
     int n = 0;
@@ -136,7 +141,10 @@ static void a_kit_is_the_project_but_for_its_blanks(void **state)
                  "grep ^src/ | sort -u | diff - " DIR "/differ && rm -r " DIR "/spliced", names[i]);
         assert_int_equal(shell(command), 0);
         snprintf(command, sizeof command,
-                 "cmp docs/assignments/%s.md " DIR "/kit/ASSIGNMENT.md && cmp tests/course/%s.c " DIR
+                 "cmp docs/assignments/form.txt " DIR "/kit/form.txt && "
+                 "grep -q 'left out' " DIR "/kit/docs/assignments/answers.md && "
+                 "sed 's|](written|](docs/assignments/written|' docs/assignments/%s.md | cmp - " DIR
+                 "/kit/ASSIGNMENT.md && cmp tests/course/%s.c " DIR
                  "/kit/tests/test_assignment.c",
                  names[i], names[i]);
         assert_int_equal(shell(command), 0);
@@ -530,6 +538,23 @@ static void points_can_be_seen_before_handing_in(void **state)
     assert_has(contents(DIR "/out"), "10 of 10  clean memory");
 }
 
+/* The message says where the picture is. */
+static void a_chi_square_that_fails_is_drawn(void **state)
+{
+    (void)state;
+    need_a_compiler();
+    clean_folder();
+    assert_int_equal(shell("mkdir " DIR "/build && sh scripts/course/splice.sh tests/course/cdf_wrong2.c " DIR
+                           " > /dev/null && $BIS_COMPILE -w -iquote src/thesis -c -o " DIR "/cdf.o " DIR
+                           "/thesis/cdf.c && $BIS_COMPILE -w -c -o " DIR "/claims.o tests/course/cdf.c && $BIS_LINK "
+                           "-o " DIR "/claims " DIR "/claims.o " DIR "/cdf.o $BIS_OBJECTS $BIS_LIBS && cd " DIR
+                           " && ./claims --check > out"),
+                     0);
+    assert_has(contents(DIR "/out"), "beside expected (blue), as square roots: build/items_are_drawn_with");
+    assert_int_equal(shell("./bis compare " DIR "/build/items*.png " DIR "/build/items*.png > " DIR
+                           "/compared && test \"$(ls " DIR "/build | wc -l)\" -eq 1"), 0);
+}
+
 /* In a kit: a cheat, a file of a link, a file that is too large, nothing, ours. */
 static void what_make_grade_refuses_make_check_tells(void **state)
 {
@@ -738,7 +763,8 @@ static void moodle_gets_the_same_marks(void **state)
     need_a_compiler();
     clean_folder();
     make_hostile_kit();
-    assert_int_equal(shell("mkdir " DIR "/in && mv " DIR "/kit '" DIR
+    assert_int_equal(shell("sed 's/^hours.*/& =7/' docs/assignments/form.txt > " DIR "/kit/form.txt && "
+                           "mkdir " DIR "/in && mv " DIR "/kit '" DIR
                            "/in/A, B_12_assignsubmission_file_4711_assignsubmission_file' && "
                            "cp src/thesis/alias.c '" DIR "/in/=me@example.org' && "
                            "BIS_SHOP=\"$PWD/" SHOP "\" sh scripts/course/grade_class.sh alias " DIR
@@ -751,6 +777,9 @@ static void moodle_gets_the_same_marks(void **state)
     assert_has(table, "0 of 20  every_table_gives_the_weights<br>");
     assert_null(strstr(table, "like")); /* who else wrote so is for the teacher alone */
     assert_has(contents(DIR "/in.alias.csv"), " % like ");
+    assert_has(contents(DIR "/in.alias.form.csv"), "student,\"hours for the code\",\"hours for the written half\"\r\n"
+               "\"'=me@example.org\",\"\",\"\"\r\n");
+    assert_has(contents(DIR "/in.alias.form.csv"), "_4711_assignsubmission_file\",\"'=7\",\"'=7\"\r\n");
     table = contents(DIR "/in.alias.moodle.csv");
     assert_has(table, "It printed: =1+1,&quot;&lt;b&gt;\\;");
     assert_has(table, "; 1 compiler warning\"\r\n"); /* behind what failed */
@@ -759,6 +788,24 @@ static void moodle_gets_the_same_marks(void **state)
                            "/in.alias.${kind}csv | sed 1d > " DIR "/points.$kind; done; cmp " DIR "/points.moodle. " DIR
                            "/points. && test -s " DIR "/points."),
                      0);
+}
+
+/* By variance times time; who has not all points for speed to be measured has no place. */
+static void a_leaderboard_is_by_error_and_time(void **state)
+{
+    (void)state;
+    clean_folder();
+    program_write_file(DIR "/lines",
+                       "N\tAnn\nL\t10\t10\tit_is_nearly_as_good_as_visible_normals\t1.50 times the variance\n"
+                       "L\t10\t10\tspeed\t1.00 times our time\nN\tBen\n"
+                       "L\t10\t10\tit_is_nearly_as_good_as_visible_normals\t0.50 times the variance\n"
+                       "L\t5\t10\tspeed\t2.00 times our time\nN\tCem\n"
+                       "L\t10\t10\tit_is_nearly_as_good_as_visible_normals\t0.10 times the variance\n"
+                       "L\t0\t10\tspeed\tmeasured once all tests pass\n");
+    assert_int_equal(shell("awk -v kind=leaderboard -f scripts/course/short.awk -f scripts/course/grade_table.awk "
+                           DIR "/lines > " DIR "/out"), 0);
+    assert_string_equal(contents(DIR "/out"), "place,student,variance times time (visible normals: 1)\r\n"
+                                              "1,\"Ben\",1.00\r\n2,\"Ann\",1.50\r\n");
 }
 
 /* Fifty remarks of three words of 96 letters: each is cut at 200 characters on its last word, a cell of the CSV holds
@@ -915,12 +962,14 @@ int main(void)
         cmocka_unit_test(bis_trade_is_not_run_without_a_sandbox),
         cmocka_unit_test(a_folder_of_any_name_is_looked_at_and_a_renamed_archive_is_named),
         cmocka_unit_test(points_can_be_seen_before_handing_in),
+        cmocka_unit_test(a_chi_square_that_fails_is_drawn),
         cmocka_unit_test(what_make_grade_refuses_make_check_tells),
         cmocka_unit_test(what_is_left_behind_is_ended),
         cmocka_unit_test(a_class_is_marked_whatever_is_handed_in),
         cmocka_unit_test(a_copy_is_found_and_who_wrote_alone_is_not),
         cmocka_unit_test(gradescope_and_classroom_50_get_the_same_marks),
         cmocka_unit_test(moodle_gets_the_same_marks),
+        cmocka_unit_test(a_leaderboard_is_by_error_and_time),
         cmocka_unit_test(a_flood_of_remarks_fits_into_a_cell),
         cmocka_unit_test(what_a_service_needs_is_in_its_kit),
         cmocka_unit_test(a_class_that_is_stopped_leaves_nothing_behind),

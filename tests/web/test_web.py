@@ -6,6 +6,7 @@
 Each figure is driven in a headless Chromium as a person would: opened by a link, moved by keys, clicked. After each
 step the hash that it shows is compared with that of the same calls of the native library. The twin: one wrong bit
 changes the hash. Without a Chromium it says so and ends with 0."""
+import gzip
 import json
 import os
 import pathlib
@@ -130,6 +131,7 @@ def drive(t, lib, b, folder, name):
     of_name = f"bisFigure.seen['{name}'].hash"
     t.claim(settle(twin, name) and twin.value(of_name) == page.value(of_name),
             f"{name}: its link shows the same")
+    t.claim(page.value(f"document.querySelectorAll('[data-figure={name}] h2').length") == 1, f"{name}: has a heading")
     tasks = page.value(f"document.querySelectorAll('[data-figure={name}] [data-task]').length")
     t.claim(tasks == 2, f"{name}: has two tasks")
     for i in range(tasks):
@@ -158,6 +160,75 @@ def solve(t, b, address, name, page):
         answer.click(f"document.querySelectorAll('[data-figure={name}] [data-task]')[{i}]")
         said = answer.value(f"document.querySelectorAll('[data-figure={name}] [data-task] + span')[{i}].textContent")
         t.claim(said.strip() == "Right.", f"{name}: the answer {state} of task {i} says{said}")
+
+
+def by_keyboard(t, b, folder):
+    """by_keyboard goes from the list to a figure: Enter on its link, then Tab is at its first control."""
+    page = b.page(f"file://{folder}/index.html")
+    links = page.value("[...document.querySelectorAll('.live-list a')].map((a) => a.hash.slice(1))")
+    t.claim(links == page.value("Object.keys(bisFigure.specs)"), f"the list has {links}")
+    for name in links[-1:] * 2 + links[:1]:     # the same link again has to lead there, too
+        page.value(f"(document.querySelector('.live-list a[href=\"#{name}\"]').focus(), 0)")
+        page.key("Enter")
+        inside = f"document.activeElement.closest('[data-figure={name}]')"
+        t.claim(page.wait(f"!!{inside}", 20), f"{name}: its link leads the keyboard to it")
+        page.key("Tab")
+        t.claim(page.wait(f"document.activeElement.matches('[data-figure={name}] :is(input, select, button)')", 20),
+                f"{name}: then Tab leads to its first control")
+
+
+# What each figure says of one state: (name, state, what is in its words, how many drawings).
+SAYS = [
+    ("errata", "", ("E23", "off by 0.27"), 5),
+    ("errata", "which=E6;spp=64", ("shares of red, green and blue are off by 0.07", "right: more samples"), 5),
+    ("regions", "", ("547 components",), 3),
+    ("sir", "M=4096;N=1", (" +- ", "so here only more rays help"), 2),
+    ("sir", "M=1;N=64", ("so here only more candidates help",), 2),
+]
+
+
+def says(t, b, folder):
+    """says looks at the words and drawings of SAYS, and at what mis compares."""
+    for name, state, words, drawings in SAYS:
+        page = b.page(f"file://{folder}/index.html?only={name}#{name}{state and ':' + state}")
+        settle(page, name)
+        said = page.value("document.querySelector('.live-words').textContent")
+        t.claim(all(word in said for word in words), f"{name}:{state} says {said}")
+        t.claim(page.value("document.querySelectorAll('.live-picture svg').length") == drawings,
+                f"{name}:{state} has {drawings} drawings")
+    page = b.page(f"file://{folder}/index.html?only=mis#mis")
+    t.claim("Compared is the error of one estimate" in page.value("document.querySelector('.live-look').textContent"),
+            "mis says what it compares")
+
+
+# An engine whose instances tell what they claim and free, and stop at a call when they are told to.
+TRAP = """(async () => {
+  const unpack = (base64) => new Response(new Blob([Uint8Array.from(atob(base64), (c) => c.charCodeAt(0))]).stream()
+    .pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
+  const wasm = await WebAssembly.compile(await unpack(bisAssets['bis.wasm.gz'])), Real = WebAssembly.Instance;
+  const wrong = [];
+  let stop = false, n = 0;
+  WebAssembly.Instance = function (...given) {
+    const real = new Real(...given).exports, claimed = new Set(), me = n++;
+    let dead = false;
+    return {exports: Object.assign({}, real, {
+      malloc(bytes) { const at = real.malloc(bytes); claimed.add(at); return at; },
+      free(at) { if (dead || !claimed.delete(at)) wrong.push(me + ' frees ' + at); else real.free(at); },
+      bis_flat_alias_build(...values) {
+        if (!stop) return real.bis_flat_alias_build(...values);
+        dead = true;
+        throw new WebAssembly.RuntimeError('unreachable');
+      }})};
+  };
+  const call = [['bis_flat_alias_build', 2, [1, 2], 2, 2, 1]], engine = bisEngine(wasm, {});
+  const before = engine.run(call).hash;
+  stop = true;
+  try { engine.run(call); wrong.push('no error'); } catch (e) { if (!/started again/.test(e)) wrong.push(String(e)); }
+  stop = false;
+  if (engine.run(call).hash !== before) wrong.push('another hash');
+  WebAssembly.Instance = Real;
+  return n === 2 ? wrong : wrong.concat('instances: ' + n);
+})()"""
 
 
 axe_source = None
@@ -192,14 +263,16 @@ def own_maps(t, lib, b, folder):
     whole = (pathlib.Path(lib.folder) / "maps/interior.hdr").read_bytes()
     choose = "document.querySelector('[data-figure=sir] input[type=file]')"
     for kind, data in (("cut off", whole[:9000]), ("of noise", bytes(range(256)) * 40),
-                       ("OpenEXR", b"v/1\x01" + bytes(99)), ("empty", b"")):
+                       ("OpenEXR", b"v/1\x01" + bytes(99)), ("empty", b""),
+                       ("gigantic", gzip.compress(bytes(70 << 20), 1)), ("huge", bytes(70 << 20))):
         path = pathlib.Path(lib.folder) / f"damaged_{kind[0]}.hdr"     # of another name each: else nothing has changed
         path.write_bytes(data)
         page.value("(bisFigure.seen.sir.error = null, 0)")
         node = page.send("Runtime.evaluate", expression=choose)["result"]["objectId"]
         page.send("DOM.setFileInputFiles", files=[str(path)], objectId=node)
         t.claim(page.wait("!!bisFigure.seen.sir.error", 20), f"a map that is {kind} is an error")
-        t.claim("cannot read" in page.value("bisFigure.seen.sir.error || ''"),
+        t.claim(("64 MiB" if len(whole) < len(data) or kind == "gigantic" else "cannot read")
+                in page.value("bisFigure.seen.sir.error || ''"),
                 f"{kind}: {page.value('bisFigure.seen.sir.error')}")
         path.unlink()
     os.makedirs(pathlib.Path(lib.folder) / "maps", exist_ok=True)
@@ -229,6 +302,8 @@ def bits(t, lib, b, folder):
             "const [h, e, n, k] = a.out[0];"
             " return [...Array(k[0]).keys()].filter((i) => h[2 * i] !== e[2 * i] || h[2 * i + 1] !== e[2 * i + 1])"
             ".map((i) => new TextDecoder().decode(n.subarray(64 * i, 64 * i + 64)).replace(/\\0.*/, '')); })")
+    wrong = page.value(TRAP)
+    t.claim(not wrong, f"after a trap: {wrong}")
     different = page.value(code)
     t.claim(not different, f"bits that differ: {different}")
 
@@ -250,6 +325,8 @@ def main():
         names = sys.argv[3:] or page.value("Object.keys(bisFigure.specs)")
         for name in names:
             drive(t, lib, b, folder, name)
+        by_keyboard(t, b, folder)
+        says(t, b, folder)
         own_maps(t, lib, b, folder)
         bits(t, lib, b, folder)
     print(f"make test-web: {t.n - t.failed} of {t.n} claims hold, {len(names)} figures ({program}); see "

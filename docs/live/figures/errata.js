@@ -57,6 +57,16 @@ function pictures(s) {
     ['bis_flat_compare', WIDE, HIGH, '#7.0', '#3.0', 3]
   ];
 }
+/* What the shares of red, green and blue are off by, root mean square: E6 has the right sum. */
+const redShare = (p, i) => p[4 * i] / Math.max(p[4 * i] + p[4 * i + 1] + p[4 * i + 2], 1e-30);
+function colours(pixels, exact) {
+  let all = 0;
+  for (let i = 0; i < WIDE * HIGH; i++) {
+    const sum = (p) => Math.max(p[4 * i] + p[4 * i + 1] + p[4 * i + 2], 1e-30), a = sum(pixels), b = sum(exact);
+    for (let c = 0; c < 3; c++) all += Math.pow(pixels[4 * i + c] / a - exact[4 * i + c] / b, 2);
+  }
+  return Math.sqrt(all / (3 * WIDE * HIGH));
+}
 /* Of the printed equation. */
 const bias = (out) => out[9][0][2];
 bisFigure.define({
@@ -64,11 +74,11 @@ bisFigure.define({
   map: true,
   title: 'The errata as switches: the printed equation and the right one',
   section: '4',
-  look: 'some printed equations change the brightness for good, and no number of samples helps: the difference keeps ' +
-    'its colour while the noise goes.',
+  look: 'a printed equation changes the picture for good, and no number of samples helps: its difference stays while ' +
+    'the noise goes. E23 is far too bright; E6 has the right brightness and wrong colours.',
   controls: [
     {name: 'which', label: 'equation', options: Object.fromEntries(Object.entries(WHICH).map(([k, v]) => [k, v[0]])),
-      value: 'E6'},
+      value: 'E23'},
     {name: 'spp', label: 'samples a pixel', min: 1, max: 64, log: true, value: 8},
     {name: 'n', label: 'exponent of the balls', min: 1, max: 1024, log: true, value: 32},
     {name: 'seed', label: 'seed', min: 1, max: 99, value: 1}
@@ -80,20 +90,31 @@ bisFigure.define({
     const most = WHICH[s.which][3] || 0.3, common = {width: 230, height: 153, columns: WIDE, rows: HIGH, most: wide};
     const show = (title, pixels) => bisPlot.heat(Object.assign({title, text: title, scale: false,
       image: bisPlot.png(WIDE, HIGH, bisFigure.screen(pixels, WIDE * HIGH, 4, 1.5))}, common));
-    const difference = (title, pixels) => bisPlot.heat(Object.assign({title: title + ', green', text: title,
+    const isE6 = s.which === 'E6', of = isE6 ? redShare : (p, i) => p[4 * i + 1];
+    const difference = (title, pixels) => bisPlot.heat(Object.assign({
+      title: title + (isE6 ? ', share of red' : ', green'), text: title,
       colours: 'difference', night: false, lo: -most, hi: most, label: '',
-      values: [...Array(WIDE * HIGH).keys()].map((i) => pixels[4 * i + 1] - out[1][0][4 * i + 1])}, common));
+      values: [...Array(WIDE * HIGH).keys()].map((i) => of(pixels, i) - of(out[1][0], i))}, common));
+    const judged = isE6 ? 'The shares of red, green and blue are off by ' +
+        bisPlot.number(colours(out[5][0], out[1][0]), 3) + ' as printed, by ' +
+        bisPlot.number(colours(out[3][0], out[1][0]), 3) + ' where it is right: more samples lower the second alone. ' +
+        'The sum of the three is the same, so the mean and the RMSE show nothing.'
+      : 'The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) + ' in the mean (RMSE ' +
+        bisPlot.number(out[7][0][0], 3) + '), the right one by ' + bisPlot.number(out[6][0][2], 3) + ' (RMSE ' +
+        bisPlot.number(out[6][0][0], 3) + ').';
     return {html: '<div>' + show('as printed', out[5][0]) + show('right', out[3][0]) + show('exact', out[1][0]) +
       '</div><div>' + difference('printed - exact', out[5][0]) + difference('right - exact', out[3][0]) + '</div>',
-      words: WHICH[s.which][0] + '. The printed equation is off by ' + bisPlot.number(out[7][0][2], 3) +
-        ' in the mean (RMSE ' + bisPlot.number(out[7][0][0], 3) + '), the right one by ' +
-        bisPlot.number(out[6][0][2], 3) + ' (RMSE ' + bisPlot.number(out[6][0][0], 3) + ').' +
-        (s.which === 'E6' ? ' The sum of the three colours is the same; look at the colours of the shadows.' : '')};
+      words: WHICH[s.which][0] + '. ' + judged};
   },
   tasks: [
-    {ask: 'Find an equation whose printed form makes the picture brighter by more than 0.1 in the mean.',
-      answer: 'which=E23', check: (s, out) => s.which === 'E14' ? 'This one has no picture.' : bias(out) > 0.1 ? ''
-        : 'This one is off by ' + bisPlot.number(bias(out), 3) + '.'},
+    {ask: 'One printed equation leaves the mean right to 0.01 and spoils the colours. Show it with so many samples ' +
+      'that the shares of the colours are off by twice as much as where it is right.', answer: 'which=E6;spp=64',
+      check(s, out) {
+        if (s.which === 'E14') return 'This one has no picture.';
+        if (Math.abs(bias(out)) > 0.01) return 'Its mean is off by ' + bisPlot.number(bias(out), 3) + '.';
+        const ratio = colours(out[7][0], out[3][0]) / colours(out[5][0], out[3][0]);
+        return ratio >= 2 ? '' : 'They are off by ' + bisPlot.number(ratio, 3) + ' times as much.';
+      }},
     {ask: 'Two equations belong to rejection. Find the one that is off by more than 0.03.', answer: 'which=E22',
       check: (s, out) => s.which !== 'E22' && s.which !== 'E29' ? 'This one does not belong to rejection.'
         : bias(out) > 0.03 ? '' : 'It is off by ' + bisPlot.number(bias(out), 3) + '.'}

@@ -16,9 +16,10 @@ bisFigure.define({
   name: 'mis',
   title: 'Multiple importance sampling, and its heuristics',
   section: '3.5',
-  look: 'the map’s samples serve dull surfaces, the BRDF’s polished ones; mis follows the better one. The best ' +
-    'weights (Kondapaneni et al. 2019) show how much another heuristic could still gain from the same samples, half ' +
-    'of them from each.',
+  look: 'the map’s samples serve dull surfaces, the BRDF’s polished ones; mis follows the better one. Compared ' +
+    'is the error of one estimate of so many samples: all from the map (em), all from the BRDF (brdf), or half from ' +
+    'each, weighted by the balance or the power heuristic (mis). The best weights (Kondapaneni et al. 2019) show ' +
+    'what another heuristic could still gain from the same halves.',
   map: true,
   controls: [
     {name: 'N', label: 'samples', min: 2, max: 64, log: true, value: 16},

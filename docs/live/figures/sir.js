@@ -2,9 +2,22 @@
 /* sir: sampling-importance resampling at one point (thesis 4.4, eq. 4.8 and 4.9, figure 4.5). */
 'use strict';
 (function () {
-const W = 72, H = 36, MOST = 4096, REPEATS = 400, CELLS = 40, TOP = 2.5;
+const W = 72, H = 36, MOST = 4096, REPEATS = 400, NOISES = 100, CELLS = 40, TOP = 2.5;
 const settings = (s) => ['integrator=sir', 'candidates=' + s.M, 'shadowrays=' + s.N, 'proposal=' + s.q, 'learn=false'];
 const error = (out) => out[6][1][1] / out[2][0][0];
+/* The standard error of that error: of the mean of the squares, over twice its root. */
+function doubt(out) {
+  const [mean] = out[6][1], squares = [...out[6][0]].map((L) => (L - mean) * (L - mean)),
+    m = squares.reduce((a, b) => a + b) / REPEATS, v = squares.reduce((a, b) => a + (b - m) * (b - m), 0) / REPEATS;
+  return m > 0 ? Math.sqrt(v / REPEATS / m) / 2 / out[2][0][0] : 0;
+}
+/* Two noises (docs/errata.md E31): of the candidates, which more rays leave, and of which of them are chosen. */
+const noise = (out, k) => out[8][0][k] / out[2][0][0];
+function helps(out) {
+  const share = Math.pow(noise(out, 2), 2) / (Math.pow(noise(out, 2), 2) + Math.pow(noise(out, 3), 2) || 1);
+  return share < 0.2 ? 'only more rays help' : share > 0.8 ? 'only more candidates help'
+    : 'more rays help, and more candidates do, too';
+}
 const apart = (s) => s.n !== 32 || s.seed !== 1 || s.q !== 'mix'
   ? 'Press "Start again" first: the task is for exponent 32, seed 1, mix.' : '';
 
@@ -30,7 +43,8 @@ bisFigure.define({
     ['bis_flat_stage_candidates', 'stage', settings(s), s.seed, MOST, 3 * MOST, MOST, MOST, MOST, 6],
     ['bis_flat_stage_find', 'stage', 720, 360, MOST, '#4.0', MOST],
     ['bis_flat_stage_runs', 'stage', settings(s), s.seed, REPEATS, REPEATS, 3],
-    ['bis_flat_histogram', REPEATS, '#6.0', '#2.0', TOP, CELLS, CELLS]
+    ['bis_flat_histogram', REPEATS, '#6.0', '#2.0', TOP, CELLS, CELLS],
+    ['bis_flat_stage_noises', 'stage', settings(s), s.seed, NOISES, 5]
   ],
   draw(s, out, wide) {
     const exact = out[2][0], product = out[3][2], most = out[3][4][2], [, w, chosen, kind, sum] = out[4],
@@ -58,9 +72,12 @@ bisFigure.define({
       marks: [{x: exact[0], label: 'exact', colour: 'exact'}]});
     return {html: field + histogram, words: 'Of M = ' + sum[0] + ' candidates as many count as ' +
       bisPlot.number(sum[2], 3) + ' equal ones (the effective sample size). ' + REPEATS + ' estimates have the mean ' +
-      bisPlot.number(stats[0]) + ' and the error ' + bisPlot.percent(stats[1] / exact[0]) +
-      ' each; the exact value is ' + bisPlot.number(exact[0]) + '. One estimate casts ' + bisPlot.number(stats[2], 3) +
-      ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, blue where the light is seen, else black.'};
+      bisPlot.number(stats[0]) + ' and the error ' + bisPlot.percent(error(out)) +
+      ' +- ' + bisPlot.percent(doubt(out)) + ' each; the exact value is ' + bisPlot.number(exact[0]) +
+      '. The candidates bring ' + bisPlot.percent(noise(out, 2)) + ', the choice of rays ' +
+      bisPlot.percent(noise(out, 3)) + ', so here ' + helps(out) + '. One estimate casts ' +
+      bisPlot.number(stats[2], 3) + ' rays. Gold: from the map; green: from the BRDF; ringed: chosen, blue where the ' +
+      'light is seen, else black.'};
   },
   tasks: [
     {ask: 'With N = 1 ray, find the smallest M (a power of 2) at which the error of one estimate is below 125 %.',

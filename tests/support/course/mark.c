@@ -3,6 +3,7 @@
 #include "mark.h"
 
 #include "bis/base/mem.h"
+#include "bis/files/image_file.h"
 #include "bis/thesis/rng.h"
 #include "claim.h"
 #include "every.h"
@@ -68,6 +69,29 @@ void mark_near(double value, double expected, double absolute, double relative, 
     mark_wrong("%s is %.9g, must be %.9g", name, value, expected);
 }
 
+/* Returns whether a picture is written to $BIS_PICTURE: for each cell, bars of what was drawn and of what was expected,
+ * as high as the square roots, of which chance is equally wide everywhere. */
+static bool draw_fit(const double *observed, const double *expected, size_t n)
+{
+    enum { HEIGHT = 240 };
+    static const rgb white = {1, 1, 1}, of_drawn = {1, 0.3f, 0}, of_expected = {0.1f, 0.3f, 0.8f};
+    const char *path = getenv("BIS_PICTURE");
+    const size_t cell = n <= 100 ? 10 : 4, width = n * cell;
+    bis_image image;
+    double most = 1;
+
+    if (!path || bis_image_init(&image, (int)width, HEIGHT, NULL)) return false;
+    for (size_t i = 0; i < n; i++) most = fmax(most, fmax(observed[i], expected[i]));
+    for (size_t k = 0; k < width * HEIGHT; k++) {
+        const size_t i = k % width / cell, side = 10 * (k % cell) / cell; /* 0 to 4: drawn, 5 to 8: expected */
+        const double up = 1 - (double)(k / width) / HEIGHT, high = sqrt((side < 5 ? observed : expected)[i] / most);
+        image.pixels[k] = side > 8 || up > high ? white : side < 5 ? of_drawn : of_expected;
+    }
+    const bis_status status = bis_image_save_colours(&image, path, NULL);
+    bis_image_clear(&image);
+    return status == BIS_OK;
+}
+
 void mark_fit(const double *observed, const double *expected, size_t n, double alpha, const char *what,
               const char *hint)
 {
@@ -81,10 +105,12 @@ void mark_fit(const double *observed, const double *expected, size_t n, double a
             (observed[worst] - expected[worst]) * (observed[worst] - expected[worst]) / fmax(expected[worst], 1);
         if (here > there) worst = i;
     }
+    const bool drawn = draw_fit(observed, expected, n);
     mark_wrong("%s: not drawn with the right probabilities (chi-square test, p = %.2g). The worst of %zu cells is "
-               "number %zu: drawn %.0f times, "
-               "expected %.1f. %s",
-               what, r.p, n, worst, observed[worst], expected[worst], hint);
+               "number %zu: drawn %.0f times, expected %.1f. %s%s%s",
+               what, r.p, n, worst, observed[worst], expected[worst], hint,
+               drawn ? " Each cell, drawn (orange) beside expected (blue), as square roots: " : "",
+               drawn ? getenv("BIS_PICTURE") : "");
 }
 
 void mark_mean(const stat_moments *m, double expected, double alpha, const char *what, const char *hint)
@@ -267,7 +293,10 @@ static int show_points(const char *program, const mark_claim *claims, size_t n, 
 
     for (size_t i = 0; i < n; i++) {
         mark_outcome o;
+        char picture[300];
         order.claim = i;
+        snprintf(picture, sizeof picture, "build/%s.png", claims[i].name);
+        if (!sanitized) setenv("BIS_PICTURE", picture, 1);
         mark_judge(&o, &order);
         const int got = o.verdict == MARK_HOLDS ? claims[i].points : 0;
         points += got;
@@ -275,7 +304,8 @@ static int show_points(const char *program, const mark_claim *claims, size_t n, 
             printf(" 0 of 10  clean memory: %s: %s\n", claims[i].name, o.text);
             return 0;
         }
-        if (!sanitized) printf("%2d of %d  %s%s%s\n", got, claims[i].points, claims[i].name, got ? "" : ": ", o.text);
+        if (sanitized) continue;
+        printf("%2d of %d  %s%s%s\n", got, claims[i].points, claims[i].name, *o.text ? ": " : "", o.text);
     }
     if (sanitized) printf("%2d of 10  clean memory, in the share of the tests that pass\n", points / 8);
     else if (points == 80) show_speed(&order, ours);

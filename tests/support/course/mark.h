@@ -55,15 +55,19 @@ uint64_t mark_seed(uint64_t kit);
  * `make test`, from kit to kit + kit/4 when a hand-in is graded. */
 size_t mark_size(size_t kit);
 
-/* mark_alloc returns n zeros of this size; without memory the claim ends. */
+/* mark_alloc returns n zeros of this size; without memory the claim ends. Nothing that a claim holds is freed, because
+ * its process ends with it. */
 void *mark_alloc(size_t n, size_t size);
 
-/* mark_uniforms returns n numbers, uniform in [0, 1), of this seed and pixel; bis_free them. */
+/* mark_uniforms returns n numbers, uniform in [0, 1), of this seed and pixel. */
 double *mark_uniforms(size_t n, uint64_t seed, uint64_t pixel);
 
 /* mark_wrong ends the claim, which does not hold. In words that a student understands: what was asked, what came, where
  * to look. */
 _Noreturn void mark_wrong(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* mark_note says something of a claim that will hold: one line, which stands beside its points. */
+void mark_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* mark_near does so unless the value is near; the larger of the two tolerances counts. what is a format, as in "the
  * solid angle of row %d". */
@@ -81,10 +85,10 @@ void mark_mean(const stat_moments *m, double expected, double alpha, const char 
 /* mark_scene returns a scene whose normal is tilted, seen at 40 degrees, with stratified directions. */
 ask_scene mark_scene(lit_map map, bis_material m, lit_hidden hidden, int integrator, const bis_settings *s);
 
-/* mark_lit makes what brute force needs of a scene; bis_light_free(l.light) afterwards. l must stay where it is. */
+/* mark_lit makes what brute force needs of a scene. l must stay where it is. */
 void mark_lit(lit *l, const ask_scene *scene);
 
-/* mark_run asks for estimates of a scene, which are finite or the claim ends; bis_free them. */
+/* mark_run asks for estimates of a scene, which are finite or the claim ends. */
 ask_estimate *mark_run(const ask_scene *scene, uint32_t runs, uint64_t seed);
 
 /* mark_moments returns the moments of estimates, r, g, b, r + g + b. */

@@ -25,7 +25,7 @@ typedef struct mark_outcome {
     mark_verdict verdict; /* MARK_DIED: the student's process ended; MARK_SLOW: it was ended, without an answer;
                            * MARK_BUSY: the machine gave it no time, so nothing is known of it */
     double seconds;       /* of the processor, that the student's process took for the load */
-    char text[4096];      /* why not; with the beginning of what the student's code printed */
+    char text[4096];      /* why not, with the beginning of what the student's code printed; or a note (mark.h) */
 } mark_outcome;
 
 /* mark_judge judges a claim. */
