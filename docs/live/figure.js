@@ -116,7 +116,7 @@ var bisFigure = (function () {
     return element('li', {}, t.ask + ' ', button, says);
   }
   function dropZone(f) {
-    const id = 'live' + nextId++, input = element('input', {type: 'file', id, accept: '.hdr,.pfm,.exr'});
+    const id = 'live' + nextId++, input = element('input', {type: 'file', id, accept: '.hdr,.pfm,.gz'});
     const take = async (file) => {
       if (!file) return;
       try {

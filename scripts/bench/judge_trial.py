@@ -63,8 +63,8 @@ MAPS = {
     'channels': lambda m: m[:, :, ::-1],
     'upper-half': lambda m: np.where(np.arange(len(m))[:, None, None] < len(m) // 2, m, 0),
     'lower-half': lambda m: np.where(np.arange(len(m))[:, None, None] < len(m) // 2, 0, m),
-    'pole-rows': lambda m: np.pad(m[2:-2], ((2, 2), (0, 0), (0, 0))),
-    'seam-columns': lambda m: np.pad(m[:, 1:-1], ((0, 0), (1, 1), (0, 0))),
+    'pole-rows': lambda m: np.pad(m[1:-1], ((1, 1), (0, 0), (0, 0))),
+    'seam-columns': lambda m: np.pad(m[:, :-1], ((0, 0), (0, 1), (0, 0))),
 }
 
 
@@ -224,11 +224,11 @@ def keep(out, kind, label, pictures):
 
 
 def stacks(out, name):
-    """(file, row, pictures) of the right pictures: those of Mitsuba alone, and all in eights of one noise."""
+    """(rows, pictures): those of Mitsuba alone, and the noisy ones in eights (of others ours is no more exact)."""
     with open(f'{out}/right.csv', newline='') as f:
         rows = [row for row in csv.reader(f) if re.fullmatch(name + r'-(mitsuba|bis)(-\d+)?\.npy', row[0])]
     groups = [[row] for row in rows if row[2] == 'mitsuba']
-    for like in sorted({(row[0], *row[3:4], row[6]) for row in rows}):
+    for like in sorted({(row[0], *row[3:4], row[6]) for row in rows if row[6] == '%g' % max(NOISES)}):
         same = [row for row in rows if (row[0], row[3], row[6]) == like]
         groups += [same[i:i + 8] for i in range(0, len(same) - 7, 8)]
     for group in groups:

@@ -51,6 +51,17 @@ ending() {
     LC_ALL=C grep -z "$(printf '%s' "$1" | sed 's/\./\\./g')\$" "$work/list" # a name may be no UTF-8
 }
 
+# Those of a list that have all marks of the file OURS.
+with_marks() {
+    sed -n 's|^ */\* \[\([a-z0-9-]*\)\] \*/$|\1|p' "$1" | grep -vx end | sed 's|.*|/\\* \\[&\\] \\*/|' >"$work/patterns"
+    cat >"$work/having"
+    while IFS= read -r pattern; do
+        xargs -0 -r grep -lZ -e "$pattern" -- <"$work/having" >"$work/of-these"
+        mv "$work/of-these" "$work/having"
+    done <"$work/patterns"
+    cat "$work/having"
+}
+
 # Their FILE below $work/src: of a kit, src/FILE; else the one file of that name in any depth; else the one that has
 # the marks of our file.
 collect() {
@@ -66,7 +77,8 @@ collect() {
             remark "it has more than a million bytes$(is_archive "$given" && echo ", and is an archive: unpack it")"
         elif is_archive "$given"; then
             remark "it is an archive: unpack it, and mark the folder"
-        elif of_marks "$given" "$file" || [ "$(wc -l <"$shop/files")" -eq 1 ]; then
+        elif [ "$(wc -l <"$shop/files")" -eq 1 ] ||
+            printf '%s\0' "$given" | with_marks "$shop/blank/$file" | grep -q .; then
             cp "$given" "$to" && echo x >"$work/found"
         fi
     elif [ ! -L "$given/src" ] && [ ! -L "$given/src/${file%/*}" ] && small "$given/src/$file"; then
@@ -76,10 +88,8 @@ collect() {
             [ -s "$work/found" ] || ending "$end" |
                 xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
         done
-        # grade_marks.sh only for the few that hold a mark at all: it is a process for each
-        [ -s "$work/found" ] || ending ".${file##*.}" | xargs -0 -r grep -lZ '/\* \[[a-z0-9-]*\] \*/' |
-            xargs -0 -r -n 1 sh -c 'sh scripts/course/grade_marks.sh "$0" "$3" "$1" "$2" || true' \
-                "$shop/blank/$file" "$to" "$work/found"
+        [ -s "$work/found" ] || ending ".${file##*.}" | with_marks "$shop/blank/$file" |
+            xargs -0 -r -n 1 sh -c 'cp "$2" "$0" && echo x >>"$1"' "$to" "$work/found"
     fi
     chmod u+rw "$to" 2>/dev/null
     n=$(wc -l <"$work/found")
@@ -97,11 +107,6 @@ is_archive() {
     504b0304* | 1f8b* | 1f9d* | 425a68* | fd377a585a00 | 377abcaf271c | 526172211a07 | 28b52ffd* | 5d0000*) return 0 ;;
     esac
     return 1
-}
-of_marks() {
-    : >"$work/marks-found"
-    sh scripts/course/grade_marks.sh "$shop/blank/$2" "$1" "$work/of-marks" "$work/marks-found"
-    [ -s "$work/marks-found" ]
 }
 
 # Make FILE such that it may be compiled. What is ours in it stays ours: else what stands between the marks is put into

@@ -22,8 +22,7 @@ say() {
     exit 1
 }
 
-# 50 variants are compiled, and each answers for seconds at most: half the compiler's time is worth more than their
-# speed.
+# 50 variants are compiled, and each answers for seconds at most: the compiler's time counts, not their speed.
 quick="-O1 -g0"
 
 fragments() { ls "tests/course/${name}_$1.c" "tests/course/handed_in/${name}_$1.c" 2>/dev/null; }

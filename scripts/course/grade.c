@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* grade: what scripts/course/grade.sh has done by a program without a student's code in it: compile in a sandbox, judge
  * the claims, compare speeds, read hand-ins.
- *     grade sandbox
- *         the sandbox that works here: "bwrap", or "none"
  *     grade run [-d DIR] [-c SECONDS] [-r PATH]... [-w PATH]... -- CMD
  *         run CMD in DIR; it may read PATHs (-r) and write there (-w)
  *     grade claims [-a] [-s SECRET]... [-k MARKS] STUDENT CLAIMS
@@ -128,22 +126,6 @@ static int run(options *o, char **given)
     if (killed) printf("\nstopped after %g s of the processor\n", limits.cpu);
     if (b.end.late) return NOT_JUDGED;
     return WIFEXITED(b.end.status) ? WEXITSTATUS(b.end.status) : 124;
-}
-
-static int find_sandbox(void)
-{
-    static box b;
-    const options o = {0};
-    const char *words[MAX_WORDS];
-
-    setenv("BIS_SANDBOX", "bwrap", 1);
-    size_t n = sandbox(words, &o);
-    words[n++] = "true";
-    words[n] = NULL;
-    const box_limits limits = {.cpu = 5, .wall = 600, .file = 1 << 20};
-    const bool ran = box_run(&b, &limits, (char *const *)(uintptr_t)words);
-    puts(ran && !b.end.late && WIFEXITED(b.end.status) && WEXITSTATUS(b.end.status) == 0 ? "bwrap" : "none");
-    return 0;
 }
 
 /* ---- claims and speed ---- */
@@ -417,7 +399,6 @@ int main(int argc, char **argv)
     if (strcmp(mode, "alike") == 0 && argc >= 2) return alike(strtod(argv[0], NULL), argv[1], argv + 2, argc - 2);
     box_end_with_us();
     poor_environment();
-    if (strcmp(mode, "sandbox") == 0) return find_sandbox();
     if (strcmp(mode, "run") == 0 && argc > 0) return run(&o, argv);
     if (strcmp(mode, "claims") == 0 && argc == 2) return claims(&o, argv[0], argv[1]);
     if (strcmp(mode, "speed") == 0 && argc == 3) return speed(&o, argv[0], argv[1], argv[2]);

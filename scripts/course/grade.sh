@@ -40,9 +40,6 @@ trap 'end 129' HUP
 if [ -z "$BIS_SHOP" ]; then
     BIS_SHOP=$work/shop
     run sh scripts/course/grade_shop.sh "$name" "$BIS_SHOP" || exit 1
-    [ "$(cat "$BIS_SHOP/sandbox")" = bwrap ] ||
-        echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights," \
-            "filtered (docs/assignments/README.md)"
 fi
 shop=$BIS_SHOP
 export BIS_SANDBOX="$(cat "$shop/sandbox")" TMPDIR="$work"

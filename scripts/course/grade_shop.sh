@@ -22,7 +22,7 @@ mkdir -p "$shop/ours-src" "$shop/objects" || exit 1
 sh scripts/course/given.sh "$name" "$shop" || exit 1
 sh scripts/course/headers.sh "$shop/headers" || exit 1
 
-sandbox=${BIS_SANDBOX:-$("$BIS_BUILD/grade" sandbox)}
+sandbox=${BIS_SANDBOX:-$(BIS_SANDBOX=bwrap "$BIS_BUILD/grade" run -- true >/dev/null 2>&1 && echo bwrap || echo none)}
 compile() { # SOURCE OBJECT FLAGS...: as a hand-in is
     source=$1
     object=$2
@@ -51,6 +51,9 @@ while IFS= read -r file; do
         compile "$shop/ours-src/$file" "$shop/objects/$file.o" >"$shop/messages"
     } || fail "our own src/$file does not compile: $(cat "$shop/messages")"
 done <"$shop/units"
+[ "$sandbox" = bwrap ] ||
+    echo "no sandbox (bwrap, of the package bubblewrap) works here: what is handed in runs with your rights," \
+        "filtered (docs/assignments/README.md)"
 echo "$sandbox" >"$shop/sandbox"
 export BIS_SANDBOX="$sandbox"
 

@@ -87,12 +87,9 @@ END {
             printf ",%s\r\n", csv(remarks(i, 1))
         }
     } else if (kind == "form") {
-        printf "student"
-        for (q = 1; q <= n_questions; q++) printf ",%s", csv(question[q])
-        printf "\r\n"
-        for (i = 1; i <= n; i++) {
-            printf "%s", csv(name[i])
-            for (q = 1; q <= n_questions; q++) printf ",%s", csv(short(answer[i, question[q]], 400))
+        for (i = 0; i <= n; i++) {
+            printf "%s", i ? csv(name[i]) : "student"
+            for (q = 1; q <= n_questions; q++) printf ",%s", csv(i ? short(answer[i, question[q]], 400) : question[q])
             printf "\r\n"
         }
     } else if (kind == "leaderboard") {

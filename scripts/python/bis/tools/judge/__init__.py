@@ -25,8 +25,9 @@ COMMAND = command.Command(
     summary="is a picture of another renderer right, and if not, what mistake makes it?",
     options=[
         command.Option("kit", "DIR",
-                       "write the kit: scenes for bis, Mitsuba 3 and pbrt-v4, their maps, exact "
-                       "pictures with errors, and a page of numbers for other renderers"),
+                       "write the kit, in minutes: scenes for bis, Mitsuba 3 and pbrt-v4, their "
+                       "maps, exact pictures with errors, which mistakes each scene tells apart, "
+                       "and a page of numbers for other renderers"),
         command.Option("json", None, "print JSON instead of text", command.FLAG),
         command.Option("html", "FILE", "write a page: theirs, ours, z, the cause's picture"),
     ],

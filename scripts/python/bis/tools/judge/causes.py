@@ -24,12 +24,15 @@ import numpy as np
 from ... import Envmap, Scene
 from ..._library import Doubles, Floats
 from ..survey import srgb
-from .verdict import ROUNDING, Flags, Truth, Verdict, fit, judge, outlines_of, tile_means
+from .verdict import (MANY, ROUNDING, Flags, Truth, Verdict, features, fit, judge, outlines_of,
+                      tile_means)
 
 #: Copies of a picture, camera samples of a copy; the last for right pictures alone.
 LEVELS = ((2, 2), (8, 8), (16, 32), (16, 128))
 REJECTED = 1e-10  #: p below which a cause is refined no more
 SMALL = 0.3  #: an own error beside that of the picture's noise, which needs no refining
+SIGMAS = 6  #: by which the kit tells causes apart
+ONE = 1e-3  #: of a tile: what differs by less is one picture
 TURNS = 2048  #: of the map, any of which is found
 FINE = 6  #: subpixels along a pixel's side, for films and filters
 RAYS = 32  #: at a pixel for a copy, at least, for a quotient
@@ -37,8 +40,13 @@ MOST = 10000  #: pixels of a cause's picture: of larger pictures each k-th pixel
 LAYERS = ("normal", "depth", "unoccluded")
 
 
-#: Of the cosines n.wi (m,) and of what is hit.
+#: Of directions to the light (m, 3) and of what is hit.
 Weight = Callable[[Doubles, "dict[str, Any]"], Doubles]
+
+
+def kind(name: str) -> str:
+    """A cause's name without what differs between programs."""
+    return name.split(" (")[0]
 
 
 class Found(NamedTuple):
@@ -49,6 +57,17 @@ class Found(NamedTuple):
     truth: Truth
     key: str  #: its name without a number
     make: Make  #: its picture in any studio of the scene
+    fixed: Any = None  #: of a factor, what it leaves as it is
+
+    def makes(self, other: Found) -> bool:
+        """Whether this makes the other's picture, too, perhaps by another factor. Of the share of
+        outlines that a factor on surfaces is for, too little is known."""
+        truth = self.truth
+        if self.fixed is not None:
+            _, truth = _factor(other.truth.copies, truth, self.fixed)
+        unknown = truth.unknown | other.truth.unknown | (
+            self.fixed is not None and truth.outlines)
+        return judge(other.truth.copies, truth._replace(unknown=unknown), ONE).is_right
 
 
 # ---- the pictures ----
@@ -76,7 +95,8 @@ class Studio:
         self.map = map_  #: what may be changed; None: it has none, or it is not known
         self.step = step
         self.like = like
-        self.scene = Scene(source, light=light)
+        self.lit = Envmap(_bilinear(map_.pixels)) if like.is_bilinear else map_  #: as it shines
+        self.scene = Scene(source, light=self.lit if like.is_bilinear else light)
         self._kept: dict[Any, Any] = {}
         self.at(LEVELS[0])
         p = self.scene.render(spp=4, step=step, layers=LAYERS)
@@ -102,16 +122,19 @@ class Studio:
     def rendered(self, light: Any = None, scene: Optional[Scene] = None, layer: str = "",
                  **how: Any) -> Doubles:
         """Copies (n, h, w, 3) of the picture, or of a layer, under another light."""
-        if light is None and self.like.is_bilinear:
-            light = Envmap(_bilinear(self.map.pixels))
         how = {"spp": self.spp, "step": self.step, "layers": layer or "none", **how}
         out = []
         for i in range(self.n):
             p = (scene or self.scene).render(light=light, seed=7919 * self.spp + i, **how)
             out.append(p.layers[layer] if layer else p.rgb)
         copies = np.array(out, float)
-        if self.like.is_separable and not layer and "width" not in how:
-            copies *= self.quotient(separable)
+        if self.like.is_separable and not layer:
+            fine = copies.shape[1] // len(self.alpha)
+            q = self.quotient(separable)
+            if (light or scene) and self.n >= MANY:  # its own, where pictures are exact
+                other = scene or Scene(self.source, light=light)
+                q = self._quotients(other, light or self.lit)[separable]
+            copies *= q.repeat(fine, 1).repeat(fine, 2)
         return copies
 
     def copies(self, layer: str = "") -> Doubles:
@@ -154,7 +177,8 @@ class Studio:
         changed = change(self.text)
         if changed == self.text or (self.light is None and "filename" in self.text):
             return None
-        return self.truth(self.rendered(scene=Scene(changed, light=self.light)))
+        light = self.lit if self.like.is_bilinear else self.light
+        return self.truth(self.rendered(scene=Scene(changed, light=light)))
 
     def _fine(self) -> Doubles:
         """Copies of FINE x FINE subpixels a pixel."""
@@ -181,34 +205,45 @@ class Studio:
         rim[3:-3, 3:-3] = False
         return self.truth(c, rim)._replace(spread=(FINE * np.sum(taps ** 2)) ** -2)
 
-    def _quotients(self) -> dict[Weight, Doubles]:
-        weights = [*WEIGHTS.values(), separable]
+    def _quotients(self, other: Optional[Scene] = None,
+                   light: Optional[Envmap] = None) -> dict[Weight, Doubles]:
+        """Of all weights; of another scene, under its light, only that of the masking."""
+        weights = [separable] if other else [*WEIGHTS.values(), separable]
+        made = weights
+        if self.like.is_separable:
+            made = [lambda *a, w=w: w(*a) * separable(*a) for w in weights[:-1]] + [separable]
         q = np.ones((len(weights), self.n) + self.alpha.shape + (3,))
-        stage, rays = self.scene.stage(), max(RAYS, self.spp)
-        for y, x in np.argwhere(self.alpha == 1).tolist():
-            if stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
+        stage, rays = (other or self.scene).stage(), max(RAYS, self.spp)
+        for y, x in np.argwhere((self.alpha == 1) & (self.n > 1)).tolist():
+            if not stage.at(*(self.step * v + self.step // 2 for v in (x, y))):
+                continue
+            hit = stage.about()["hit"]
+            if not other or hit["material"]["alpha"] is not None:
                 drawn = stage.rays(runs=self.n, seed=y * 65537 + x, integrator="em", samples=rays)
-                q[:, :, y, x] = _quotients(stage, self.map, weights, self.n, drawn)
+                q[:, :, y, x] = _quotients(stage, hit, light or self.lit, made, self.n, drawn)
         return dict(zip(weights, q))
 
     def quotient(self, weight: Weight) -> Doubles:
-        """What the weight multiplies the picture with, (n, h, w, 3)."""
+        """What the weight multiplies the picture with (n, h, w, 3)."""
         return self.once("quotients", self._quotients)[weight]
 
-    def weighed(self, weight: Weight) -> Truth:
-        """The picture with f cos times a weight of n.wi (m,) and of what is hit. A pixel's centre
-        does not tell what is at an outline."""
-        return self.truth(self.copies() * self.quotient(weight), self.outlines)
+    def weighed(self, weight: Weight) -> Optional[Truth]:
+        """The picture with f cos times a weight; None: it is 1. A pixel's centre does not tell what
+        is at an outline."""
+        q = self.quotient(weight)
+        if (q == 1).all():
+            return None
+        over = self.quotient(separable) if self.like.is_separable else 1.0
+        return self.truth(self.copies() / over * q, self.outlines)
 
 
 Make = Callable[[Studio], Optional[Truth]]
 
 
-def _quotients(stage: Any, light: Optional[Envmap], weights: list[Weight], n: int,
-               drawn: Any) -> Doubles:
+def _quotients(stage: Any, hit: dict[str, Any], light: Optional[Envmap], weights: list[Weight],
+               n: int, drawn: Any) -> Doubles:
     """How each weight changes the radiance (weights, n, 3) at a stage's point: pseudo-values of a
     jackknife over n groups of rays. The light has the colours of its map, if that is known."""
-    hit = stage.about()["hit"]
     look = stage.look(drawn.wi)
     part = np.divide(look.product * drawn.seen, look.q_map, out=np.zeros(len(drawn.wi)),
                      where=look.q_map > 0)
@@ -219,8 +254,8 @@ def _quotients(stage: Any, light: Optional[Envmap], weights: list[Weight], n: in
         row, column = (theta / 180 * h).astype(int), (phi / 360 * w).astype(int)
         Le = light.pixels[np.minimum(row, h - 1), column % w].astype(float)
         colours = Le / np.maximum(Le.sum(1, keepdims=True), 1e-300)
-    cos = drawn.wi.astype(float) @ np.array(hit["normal"])
-    factors = [np.ones(len(cos)), *(weight(cos, hit) for weight in weights)]
+    wi = drawn.wi.astype(float)
+    factors = [np.ones(len(wi)), *(weight(wi, hit) for weight in weights)]
     sums = np.zeros((len(factors), n, 3))
     np.add.at(sums, (np.s_[:], drawn.sample),
               np.array(factors)[:, :, None] * (part[:, None] * colours))
@@ -328,7 +363,7 @@ CHANNELS = {"red and blue": [2, 1, 0], "red and green": [1, 0, 2], "green and bl
 # ---- factors ----
 
 FACTOR, ON_SURFACES = "factor", ", on surfaces"
-ANY_FACTOR = "the light times "  #: without a reason, it may stand for what dims all by chance
+ANY_FACTOR, CUT = "the light times ", "the map cut off at "  #: with any number
 
 FACTORS = {
     "twice the light (MIS without weights, or +1 EV)": 2.0,
@@ -364,16 +399,12 @@ def _numbers(names: str, change: Callable[[float], float]) -> Callable[[str], st
 
 
 _ROUGH = "exponent|roughness|uroughness|vroughness"
-_ALBEDO = "Kd|reflectance"
+_ALBEDO = r'Kd|(?<="diffuse" "rgb )reflectance'  # a metal's is no albedo
 TEXTS: dict[str, Callable[[str], str]] = {
     "the roughness (or exponent) squared": _numbers(_ROUGH, lambda v: v * v),
     "the root of the roughness (or exponent)": _numbers(_ROUGH, math.sqrt),
     "the albedo decoded from sRGB": _numbers(_ALBEDO, lambda v: float(srgb(v))),
     "the albedo encoded as sRGB": _numbers(_ALBEDO, lambda v: float(_encoded(v))),
-    "Fresnel missing": lambda text: re.sub(
-        r'"(?:spectrum|rgb|float) eta"\s*(?:\[[^]]*\]|"[^"]*"|[\d.]+)\s*'
-        r'"(?:spectrum|rgb|float) k"\s*(?:\[[^]]*\]|"[^"]*"|[\d.]+)',
-        '"rgb reflectance" [1 1 1]', text),
 }
 _HALF = FINE // 2
 FILMS = {"the film half a pixel to the right": (0, -_HALF),
@@ -400,24 +431,42 @@ FILTERS = {
 }
 
 
-def separable(cos: Doubles, hit: dict[str, Any]) -> Doubles:
+def _cos(wi: Doubles, hit: dict[str, Any]) -> Doubles:
+    return np.maximum(wi @ hit["normal"], 1e-6)
+
+
+def separable(wi: Doubles, hit: dict[str, Any]) -> Doubles:
     """The masking of facets as a product of two, over the one that is correlated in height."""
     alpha = hit["material"]["alpha"]
     if alpha is None:
-        return np.ones(len(cos))
-
-    def slope(c: Any) -> Any:
-        return np.sqrt(1 + alpha ** 2 * (1 / np.maximum(c * c, 1e-12) - 1))
-    a, b = slope(cos), slope(hit["cos_wo"])
+        return np.ones(len(wi))
+    a, b = (np.sqrt(1 + alpha ** 2 * (1 / (c * c) - 1)) for c in (_cos(wi, hit), hit["cos_wo"]))
     return 2 * (a + b) / ((1 + a) * (1 + b))
 
 
-WEIGHTS: dict[str, Callable[..., Doubles]] = {
-    "the cosine missing": lambda cos, hit: 1 / np.maximum(cos, 1e-6),
-    "the cosine twice": lambda cos, hit: np.maximum(cos, 0)}
+def head_on(wi: Doubles, hit: dict[str, Any]) -> Doubles:
+    """What a metal of eta 1 reflects head on, over what it reflects at the angle of facets."""
+    r = np.mean(hit["material"]["Ks"])
+    if hit["material"]["alpha"] is None or any(hit["material"]["Kd"]) or not 0 < r < 1:
+        return np.ones(len(wi))
+    c2 = (1 + wi @ hit["wo"]) / 2
+    k2 = 4 * r / (1 - r)
+    q = np.sqrt((c2 - k2) ** 2 + 4 * k2)
+    t = np.sqrt(2 * (q + c2 - k2) * c2)
+    s = (q + c2 - t) / (q + c2 + t)
+    s2 = 1 - c2
+    p = s * (c2 * q + s2 * s2 - t * s2) / (c2 * q + s2 * s2 + t * s2)
+    return 2 * r / (s + p)
+
+
+WEIGHTS: dict[str, Weight] = {
+    "the cosine missing": lambda wi, hit: 1 / _cos(wi, hit), "the cosine twice": _cos,
+    "Fresnel missing": head_on}
 CURVES: dict[str, Callable[[Doubles], Doubles]] = {
-    "sRGB's curve": lambda v: np.minimum(_encoded(v), 1),
-    "a gamma of 2.2": lambda v: np.minimum(np.maximum(v, 0) ** (1 / 2.2), 1),
+    "sRGB's curve": _encoded,
+    "sRGB's curve (cut off at 1)": lambda v: np.minimum(_encoded(v), 1),
+    "a gamma of 2.2": lambda v: np.maximum(v, 0) ** (1 / 2.2),
+    "a gamma of 2.2 (cut off at 1)": lambda v: np.clip(v, 0, 1) ** (1 / 2.2),
     "Reinhard's curve": lambda v: np.maximum(v, 0) / (1 + np.maximum(v, 0)),
     "values cut off at 1": lambda v: np.minimum(v, 1)}
 
@@ -467,13 +516,12 @@ def _try(studio: Studio, name: str, make: Make, theirs: Doubles,
     key = name
     if truth is None:
         return None
+    fixed = None
     if name.startswith(FACTOR):
-        fixed = np.zeros_like(truth.mean)
-        if name.endswith(ON_SURFACES):
-            fixed = truth.mean * (1 - studio.alpha[..., None])
+        fixed = truth.mean * (1 - studio.alpha[..., None]) * name.endswith(ON_SURFACES)
         said, truth = _factor(theirs, truth, fixed)
         name = name.replace(FACTOR, said)
-    return Found(name, judge(theirs, truth, rounding), truth, key, make)
+    return Found(name, judge(theirs, truth, rounding), truth, key, make, fixed)
 
 
 def _cut_off(m: Floats, power: float) -> Floats:
@@ -483,7 +531,7 @@ def _cut_off(m: Floats, power: float) -> Floats:
 NUMBERS: dict[str, Callable[[Floats, float], Any]] = {
     "the map turned by %.4g degrees": _turned,
     "the map mirrored and turned by %.4g degrees": lambda m, v: _turned(m[:, ::-1], v),
-    "the map cut off at %.3g": _cut_off}
+    CUT + "%.3g": _cut_off}
 
 
 def _fitted(studio: Studio, theirs: Doubles, name: str, coarse: Sequence[float]) -> float:
@@ -518,6 +566,8 @@ def _of_numbers(studio: Studio, theirs: Doubles, names: Iterable[str]) -> dict[s
     """Causes with a number that no list holds. A cut is tried where it is printed, because a camera
     that sees the map would tell 7.503 from 7.5."""
     causes: dict[str, Make] = {}
+    if not theirs.any():
+        return causes
     most = math.log2(studio.map.pixels.max())
     for name in names:
         change = NUMBERS[name]
@@ -545,11 +595,10 @@ def _open_numbers(found: list[Found]) -> list[str]:
             + [cut] * ("the light" in fits))
 
 
-def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: float,
+def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles,
              rounding: float) -> list[Found]:
     """Hold causes against pictures, each at levels until it is rejected or exact enough."""
     found: list[Found] = []
-    enough = SMALL * max(noise, rounding)
     for level in LEVELS[:-1]:
         if not causes:
             break
@@ -559,7 +608,8 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
             one = _try(studio, name, make, theirs, rounding)
             if one is None:
                 continue
-            if one.verdict.p < REJECTED or one.verdict.own < enough or level == LEVELS[-2]:
+            enough = one.verdict.own < SMALL * max(one.verdict.noise, rounding)
+            if one.verdict.p < REJECTED or enough or level == LEVELS[-2]:
                 found.append(one)
             else:
                 left[name] = make
@@ -567,14 +617,40 @@ def _refined(studio: Studio, causes: dict[str, Make], theirs: Doubles, noise: fl
     return found
 
 
-def search(studio: Studio, theirs: Doubles, noise: float, rounding: float = ROUNDING,
+def search(studio: Studio, theirs: Doubles, rounding: float = ROUNDING,
            causes: Optional[dict[str, Make]] = None) -> list[Found]:
-    """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong, whose tiles have a
-    noise (a share of the mean). The one that fits best comes first."""
+    """Hold all causes, or some, against pictures (k, h, w, 3) that are wrong. The one that fits
+    best comes first."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a half of a map may be black
-        found = _refined(studio, causes or CAUSES, theirs, noise, rounding)
+        found = _refined(studio, causes or CAUSES, theirs, rounding)
         if causes is None and studio.map is not None:
             more = _of_numbers(studio, theirs, _open_numbers(found))
-            found += _refined(studio, more, theirs, noise, rounding)
+            found += _refined(studio, more, theirs, rounding)
     return sorted(found, key=lambda f: (-max(f.verdict.p, REJECTED), _far(f.verdict)))
+
+
+def apart(studio: Studio, names: Sequence[str] = ()) -> tuple[list[str], Doubles]:
+    """Names of the right picture and of all kinds, or some, without a number of their own, (n,),
+    and up to which noise of a tile any two differ by SIGMAS, (n, n): where they differ most, less
+    the error of the pictures."""
+    right = studio.right()
+    makes: dict[str, Make] = {}
+    for name, make in CAUSES.items():
+        if not name.startswith(FACTOR):
+            makes.setdefault(kind(name), make)
+    makes.update((kind(k), _of_picture(lambda c, v=v: v * c)) for k, v in FACTORS.items())
+    told = {"right": features(right, right)}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        for name in names or makes:
+            if name in makes:
+                told[name] = features(makes[name](studio) or right, right)
+    f = np.array(list(told.values()))
+    noise = []
+    for one in f:
+        d = one - f
+        own = d.var(1, ddof=1) / studio.n
+        own = np.maximum(own, np.median(own, 0))  # copies may agree by chance
+        noise.append(np.sqrt(np.max(d.mean(1) ** 2 / SIGMAS ** 2 - own, -1, initial=0)))
+    return list(told), np.array(noise)

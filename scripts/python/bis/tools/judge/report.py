@@ -17,11 +17,12 @@ from .. import page
 from ..command import Say
 from ..survey import heat
 from . import kit
-from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, LEVELS, MOST, REJECTED, SMALL, Convention,
-                     Found, Studio, search)
+from .causes import (ANY_FACTOR, CONVENTIONS, CURVES, CUT, LEVELS, MOST, REJECTED, SMALL,
+                     Convention, Found, Studio, apart, kind, search)
 from .verdict import HALF, MANY, ROUNDING, WRONG, Truth, Verdict, judge
 
-NEAREST = 6  #: causes that are tried by other conventions if none fits by the first
+NOISES = (0.03, 0.01, 0.001)  #: of a tile, at which the kit counts what it tells apart
+NEAREST = 24  #: causes that are tried by other conventions if none fits by the first
 SATURATED = 65504.0  #: the largest half
 RGBE = 2.0 ** -8  #: by how much an .hdr is off, as a share of the largest channel
 FACETS = ("conductor", "metal", "microfacet", "plastic", "substrate", "uber", "coateddiffuse")
@@ -42,21 +43,29 @@ class Case:
 
     @property
     def named(self) -> list[Found]:
-        """The causes that nothing speaks against; mere factors, which may be what is left of
-        another mistake, last."""
-        return sorted((f for f in self.causes if f.verdict.is_right),
-                      key=lambda f: f.name.startswith(ANY_FACTOR))
+        """The causes that nothing speaks against, one of each kind; mere factors last."""
+        fits = [f for f in self.causes if f.verdict.is_right]
+        kinds = [kind(f.name) for f in fits]
+        first = [f._replace(name=of) if kinds.count(of) > 1 else f
+                 for i, (f, of) in enumerate(zip(fits, kinds)) if of not in kinds[:i]]
+        return sorted(first, key=self.is_mere)
+
+    def is_mere(self, cause: Found) -> bool:
+        """Whether a cause dims all by a number that has no reason, which may be what is left of
+        another mistake: a factor, or a cut of the map that makes the picture of a factor."""
+        return cause.name.startswith(ANY_FACTOR) or cause.name.startswith(CUT) and any(
+            f.makes(cause) for f in self.causes if f.name.startswith(ANY_FACTOR))
 
     @property
     def is_told(self) -> bool:
         """Whether a cause is named that is no mere factor."""
-        return bool(self.named) and not self.named[0].name.startswith(ANY_FACTOR)
+        return bool(self.named) and not self.is_mere(self.named[0])
 
     @property
     def is_sure(self) -> bool:
         """Whether one cause is told, or several that make one picture."""
-        return self.is_told and all(judge(self.named[0].truth.copies, f.truth).is_right
-                                    for f in self.named[1:])
+        named = self.named
+        return self.is_told and all(f.makes(named[0]) for f in named[1:])
 
 
 # ---- files ----
@@ -134,9 +143,9 @@ def judged(name: str, pictures: list[str], theirs: Doubles, rounding: float,
     for like in likes:
         studio = made(step, like)
         thin = thin[:, :studio.alpha.shape[0], :studio.alpha.shape[1]]
-        near = {f.key: f.make for f in case.causes[:NEAREST]}
         before = case.causes
-        case.causes = search(studio, thin, case.verdict.noise, rounding, near or None)
+        case.causes = search(studio, thin, rounding,
+                             {f.key: f.make for f in before[:NEAREST]} or None)
         if case.is_told:
             break
         if before and not case.named:
@@ -243,19 +252,29 @@ def write_page(path: str, cases: list[Case], said: str) -> None:
 
 def write_exact(folder: str, names: Sequence[str] = kit.NAMES,
                 level: tuple[int, int] = LEVELS[-1]) -> str:
-    """Write the right pictures of the kit and their standard errors, and list them."""
-    lines = []
+    """Write the right pictures of the kit and their standard errors, and which causes each scene
+    tells apart; return a line for each."""
+    lines, rows = [], ["scene,cause,from_right,from_all,nearest"]
     place = os.path.join(folder, "exact")
     os.makedirs(place, exist_ok=True)
     for name in names:
-        light = Envmap(kit.light(name))
-        studio = Studio(kit.text(name), light, light)
+        studio = studios_of_kit(name)(1, CONVENTIONS[0])
+        studio.at((MANY, 2))
+        causes, noise = apart(studio)
+        others = noise + np.diag([np.inf] * len(noise))
+        least = others.min(1)[1:]
+        rows += ['%s,"%s",%.2g,%.2g,"%s"' % (name, cause, from_right, from_all, causes[nearest])
+                 for cause, from_right, from_all, nearest
+                 in zip(causes[1:], noise[0, 1:], least, others.argmin(1)[1:])]
         studio.at(level)
         copies = studio.right().copies
         mean, error = copies.mean(0), copies.std(0, ddof=1) / math.sqrt(len(copies))
         save_image(os.path.join(place, name + ".exr"), mean)
         save_image(os.path.join(place, name + "-stderr.exr"), error)
-        lines.append("%-16s %.2g %% a pixel. %s\n"
-                     % (name, 100 * math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300),
-                        kit.SCENES[name].about))
+        share = math.sqrt(np.mean(error ** 2)) / max(mean.mean(), 1e-300)
+        told = ", ".join("%d at %g %%" % (np.sum(least >= s), 100 * s) for s in NOISES)
+        lines.append("%-16s %.2g %% a pixel; tells of %d causes, by the noise of a tile, %s. %s\n"
+                     % (name, 100 * share, len(least), told, kit.SCENES[name].about))
+    with open(os.path.join(folder, "tells.csv"), "w", encoding="utf-8") as f:
+        f.write("\n".join(rows) + "\n")
     return "".join(lines)

@@ -149,9 +149,9 @@ class _Tiles:
             own = np.maximum(own, square * np.sum(own) / max(np.sum(square), 1e-300))
         return own
 
-    def noise(self, d: Doubles) -> tuple[Doubles, Doubles]:
-        """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) show it, and
-        degrees of freedom (n, 1)."""
+    def noise(self, d: Doubles, copies: Doubles) -> tuple[Doubles, Doubles]:
+        """The variance of the tiles' means (n, 3) as the differences (k, h, w, 3) from the mean of
+        copies show it, without that of the copies, and degrees of freedom (n, 1)."""
         k = len(d)
         if k >= MANY:
             return self.variance(d), np.full((self.n, 1), k - 1.0)
@@ -165,11 +165,13 @@ class _Tiles:
         for a, b in ((np.s_[:, 1:], np.s_[:, :-1]), (np.s_[1:], np.s_[:-1])):
             same = np.where(self.of[a] == self.of[b], self.of[a], -1)
             square = (d[0][a] - d[0][b]) ** 2 / 2
-            total += self.sums(square, same)
+            ours = [one[a] - one[b] for one in copies]
+            total += self.sums(square - np.var(ours, 0, ddof=1) / 2 / len(copies), same)
             fourth += self.sums(square ** 2, same)
             pairs += np.bincount(same[same >= 0], minlength=self.n)[:, None]
         # Two pairs a pixel, which share pixels, tell as much as 0.8 independent squares; less where
         # few pixels have most of the noise (the fourth moment of a normal number is 3).
+        total = np.maximum(total, 0)
         dof = np.minimum(1.2 * total ** 2 / np.maximum(fourth, 1e-300), 0.4 * pairs)
         return self.spread * total / pairs / self.count, np.maximum(dof, 1)
 
@@ -188,6 +190,20 @@ class _Tiles:
 def tile_means(truth: Truth, copies: Doubles) -> Doubles:
     """Means of copies (k, h, w, 3) over the truth's tiles, (n, 3)."""
     return _Tiles(truth).means(copies.mean(0))
+
+
+def features(truth: Truth, right: Truth) -> Doubles:
+    """What tells a cause's copies (k, h, w, 3) apart, (k, m): means of tiles, and sums of outlines
+    times slopes; as shares of the mean, and so that all have the noise of a tile."""
+    tiles = _Tiles(right)
+    unknown = np.broadcast_to(truth.unknown, right.outlines.shape)[..., None]
+    copies = np.where(unknown, right.copies, truth.copies)
+    at = right.outlines
+    slopes = np.array([s[at] for s in _slopes(right.mean)])
+    size = np.sqrt(np.sum(slopes ** 2, (1, 2)) * tiles.count.mean())
+    slopes /= np.maximum(size, 1e-300)[:, None, None]
+    return np.array([np.append(tiles.means(c), np.sum(slopes * c[at], (1, 2)))
+                     for c in copies]) / right.mean.mean()
 
 
 def outlines_of(normal: Doubles, depth: Doubles, alpha: Doubles, rgb: Doubles) -> Flags:
@@ -266,7 +282,7 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     d = theirs - truth.mean
     tiles = _Tiles(truth)
     ours = tiles.means(truth.mean)
-    noise, dof = tiles.noise(d)
+    noise, dof = tiles.noise(d, truth.copies)
     own = tiles.variance(truth.copies)
     free = np.broadcast_to(rounding * np.abs(ours).max(1, keepdims=True, initial=0), ours.shape)
     of_floats = (free / 10) ** 2  # what is beyond it is a mistake even where nothing is noisy
@@ -274,8 +290,9 @@ def judge(theirs: Doubles, truth: Truth, rounding: float = ROUNDING) -> Verdict:
     errors = [(noise, dof), (own, max(len(truth.copies), MANY) - 1.0), (of_floats, math.inf)]
     total = noise + own + of_floats
     skewness = tiles.skewness(d) * (noise / np.maximum(total, 1e-300)) ** 1.5
-    z = _welch(_beyond(each.mean(0), free, noise + own), errors, skewness)
-    tells = (z != 0) | (noise + own > free * free)  # a tile without noise is right by itself
+    off = _beyond(each.mean(0), free, noise + own)
+    tells = (off != 0) | (noise + own > free * free)  # a tile without noise is right by itself
+    z = np.where(tells, _welch(off, errors, skewness), 0.0)
     parts = {}
     if tells.any():
         squares = [chi_square_p(float(np.sum(z[t, c] ** 2)), int(t.sum()))
@@ -311,7 +328,7 @@ def fit(theirs: Doubles, truth: Truth) -> tuple[float, float]:
     """The factor of the truth that fits pictures best, by weighted least squares over tiles, and
     its standard error."""
     tiles = _Tiles(truth)
-    noise, _ = tiles.noise(theirs - truth.mean)
+    noise, _ = tiles.noise(theirs - truth.mean, truth.copies)
     own = tiles.variance(truth.copies)
     ours, x = tiles.means(truth.mean), np.mean([tiles.means(one) for one in theirs], 0)
     f, power = 1.0, 0.0
