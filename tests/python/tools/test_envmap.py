@@ -322,7 +322,8 @@ class Command(unittest.TestCase):
         exec(lines.replace("card.exr", path), {"np": np, "bis": bis})
         colours = ((1, 1, 1), (1, 0, 0), (0, 0, 1))
         for program, axes in table.items():
-            line, = re.findall(r"in a scene  AttributeBegin (Transform \[.*?\]) LightSource ... AttributeEnd", self.run_it(path, "--convention", program)[0])
+            words, _ = self.run_it(path, "--convention", program)
+            line, = re.findall(r"in a scene  AttributeBegin (Transform \[.*?\]) LightSource ... AttributeEnd", words)
             for k, axis in enumerate(axes):
                 camera = bis.Camera(eye=(0, 0, 0), to=axis, up=np.roll(axis, 1), fov=1)
                 scene = 'WorldBegin %s LightSource "infinite" "string filename" "%s"' % (line, path)
