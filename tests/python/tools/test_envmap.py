@@ -324,6 +324,7 @@ class Command(unittest.TestCase):
         for program, axes in table.items():
             words, _ = self.run_it(path, "--convention", program)
             line, = re.findall(r"in a scene  AttributeBegin (Transform \[.*?\]) LightSource ... AttributeEnd", words)
+            self.assertEqual("Scale -1 1 1" in words, np.linalg.det(axes) < 0, program)
             for k, axis in enumerate(axes):
                 camera = bis.Camera(eye=(0, 0, 0), to=axis, up=np.roll(axis, 1), fov=1)
                 scene = 'WorldBegin %s LightSource "infinite" "string filename" "%s"' % (line, path)

@@ -121,11 +121,16 @@ def _largest_text(s: Survey) -> str:
     return "".join(lines)
 
 
+_RIGHT = " (right-handed: Scale -1 1 1 before LookAt, or the picture is mirrored)"
+_HANDS = {"bis": "", "unity": "", "blender": _RIGHT, "mitsuba": _RIGHT, "three": _RIGHT}
+
+
 def _scene_text(convention: str) -> str:
     """The line of a scene that gives its world the axes of a program: columns of the matrix."""
     columns = [" ".join(map(str, (*column, 0))) for column in zip(*FRAMES[convention])]
-    return ("in a scene  AttributeBegin Transform [ %s  0 0 0 1 ] LightSource ... AttributeEnd: the "
-            "world's axes are those of %s\n" % ("  ".join(columns), convention))
+    return ("in a scene  AttributeBegin Transform [ %s  0 0 0 1 ] LightSource ... AttributeEnd: "
+            "the world's axes are those of %s%s\n" % (
+                "  ".join(columns), convention, _HANDS[convention]))
 
 
 def report_text(path: str, s: Survey, light: Envmap, found: Diagnosis) -> str:
