@@ -220,8 +220,8 @@ static void fill_result(bis_render_result *result, const render *r)
     result->counters = r->done.counters;
     if (!r->work.options->part.n) result->error = bis_film_estimate_error(film);
     result->missing = r->missing;
-    result->n_windows = r->work.n_windows;
-    memcpy(result->windows, r->work.windows, sizeof result->windows);
+    result->n_portals = r->work.clusters.n_portals;
+    memcpy(result->portals, r->work.clusters.portals, sizeof result->portals);
     result->passes = film->passes;
     result->spp = r->done.spp;
     result->bytes = bis_workspace_bytes(&r->work);

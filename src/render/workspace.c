@@ -70,13 +70,15 @@ static bis_status make_clusters(bis_workspace *w, bis_diag *diag)
 {
     const bis_light_desc *desc = &w->desc->light;
     bis_clusters *const both[] = {&w->clusters, &w->of_twins};
+    bis_portal windows[BIS_PORTALS_MAX];
+    uint32_t n = 0;
     bis_status status = BIS_OK;
 
     if (desc->windows && !desc->n_portals)
-        status = bis_windows_find(w->windows, &w->n_windows, w->scene, &w->view->camera, w->film, diag);
+        status = bis_windows_find(windows, &n, w->scene, &w->view->camera, w->film, diag);
     for (int i = 0; i < (w->film->twin ? 2 : 1) && !status; i++) {
         status = bis_clusters_init(both[i], w->scene->light, w->view->settings.candidates, diag);
-        if (!status && w->n_windows) bis_clusters_open(both[i], w->windows, w->n_windows);
+        if (!status && n) bis_clusters_open(both[i], windows, n);
     }
     return status;
 }

@@ -45,8 +45,6 @@ typedef struct bis_workspace {
     bis_worker *workers; /* workers[n_threads] */
     bis_pool pool;            /* M = 0: none */
     bis_clusters clusters;    /* n = 0: none */
-    bis_portal windows[BIS_PORTALS_MAX]; /* found, where the light has no portals (windows.h) */
-    uint32_t n_windows;
     bis_clusters of_twins;    /* the same for the twins, with directions of their own */
     bis_visibility visibility; /* n_tiles = 0: none */
     bool surveyed;             /* its squares are closed, see survey.h */

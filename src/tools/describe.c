@@ -160,14 +160,14 @@ static void print_approximations(bis_json *j, const bis_scene_desc *d, const cha
     bis_json_close(j);
 }
 
-/* Each as the text of a parameter of the light. Where none was found there is no such key. */
-static void print_windows(bis_json *j, const bis_render_result *r)
+/* Each as the text of a parameter of the light. Where there is none there is no such key. */
+static void print_portals(bis_json *j, const bis_render_result *r)
 {
     char text[BIS_MAX_LINE];
 
-    if (!r->n_windows) return;
-    bis_json_open(j, "windows", '[');
-    for (uint32_t i = 0; i < r->n_windows; i++) bis_json_text(j, NULL, bis_describe_portal(text, &r->windows[i]));
+    if (!r->n_portals) return;
+    bis_json_open(j, "portals", '[');
+    for (uint32_t i = 0; i < r->n_portals; i++) bis_json_text(j, NULL, bis_describe_portal(text, &r->portals[i]));
     bis_json_close(j);
 }
 
@@ -215,7 +215,7 @@ void bis_stats_print(const bis_stats *s, FILE *out)
                      {"fallbacks", count(rejects && settings->estimator == BIS_ESTIMATOR_RATIO,
                                          r->counters.fallbacks)});
     print_approximations(&j, s->desc, s->approximated);
-    print_windows(&j, r);
+    print_portals(&j, r);
     print_memory(&j, s);
     bis_json_number(&j, "estimated_relative_rmse", r->error.is_known ? r->error.relative_rmse : (double)NAN);
     bis_json_number(&j, "relative_rmse_at_most", r->error.has_upper ? r->error.upper : (double)NAN);

@@ -189,6 +189,31 @@ class Points(unittest.TestCase):
         self.assertGreater(np.mean(abs(found.E - E) > found.interval / 2), 0.15)
         self.assertLess(np.median(abs(found.E / E - 1)), 0.01)
 
+    def test_intervals_hold_in_a_room_whose_window_is_found(self):
+        # Lambert's formula: a polygon of radiance 1 gives half the sum of its edges' angles times their normals.
+        window = np.array([(2, -0.5, 1), (2, 0.5, 1), (2, 0.5, 2), (2, -0.5, 2)], float)
+        walls = [[(a, b, c) for a, b in ((-2, -2), (2, -2), (2, 2), (-2, 2))] for c in (0, 3)]
+        walls += [[(a * x, a * -2, z) for x, z in ((-2, 0), (2, 0), (2, 3), (-2, 3))] for a in (1, -1)]
+        walls += [[(-2, y, z) for y, z in ((-2, 0), (2, 0), (2, 3), (-2, 3))]]
+        outer = np.array([(2, -2, 0), (2, 2, 0), (2, 2, 3), (2, -2, 3)], float)
+        walls += [[outer[k], outer[(k + 1) % 4], window[(k + 1) % 4], window[k]] for k in range(4)]
+        faces = (4 * np.arange(len(walls))[:, None, None] + [(0, 1, 2), (0, 2, 3)]).reshape(-1, 3)
+        room = bis.Mesh(np.concatenate(walls), faces)
+        p = np.random.default_rng(11).random((400, 3)) * (3.8, 3.8, 0) - (1.9, 1.9, -0.8)
+        up = np.tile((0, 0, 1.0), (400, 1))
+        to = (window - p[:, None]) / np.linalg.norm(window - p[:, None], axis=2, keepdims=True)
+        turned = np.roll(to, -1, axis=1)
+        cross = np.cross(to, turned)
+        angle = np.arccos((to * turned).sum(2)) / np.linalg.norm(cross, axis=2)
+        E = np.outer(abs((angle[..., None] * cross).sum(1)[:, 2]) / 2, COLOUR)
+        found = bis.Scene(SCENE % room).irradiance(p, up, spp=16, seed=12)
+        self.assertLess(np.median(abs(found.E / E - 1)), 0.02)
+        self.assertGreater(np.mean(abs(found.E - E) <= found.interval), 0.9)
+        self.assertLess(np.mean(abs(found.E - E) <= found.interval / 3), 0.75)  # twin
+        # Without the window less than 5 % of the light arrives at most points: nothing is promised there.
+        closed = SCENE.replace("[1 2 4]", '[1 2 4] "bool windows" false')
+        self.assertGreater(np.isnan(bis.Scene(closed % room).irradiance(p, up, spp=16).interval).mean(), 0.8)
+
     def test_what_cannot_be_is_refused(self):
         scene = bis.Scene(SCENE % 'Shape "sphere"')
         up = np.array([(0, 0, 1.0)])

@@ -53,8 +53,8 @@ typedef struct bis_render_result {
     /* share of the pixels that the first pass did not reach, because it was ended (first_light): they have no camera
      * sample, and the colour of a neighbour */
     double missing;
-    bis_portal windows[BIS_PORTALS_MAX]; /* found, through which it looked for light (src/render/windows.h) */
-    uint32_t n_windows;
+    bis_portal portals[BIS_PORTALS_MAX]; /* through which it looked for light: given, or found (src/render/windows.h) */
+    uint32_t n_portals;
     int n_threads;
     size_t bytes;         /* of workspace beside the film: the current pass and the scratch of the threads */
 } bis_render_result;
