@@ -57,11 +57,6 @@ static void scale3(double v[3], double s)
     for (int i = 0; i < 3; i++) v[i] *= s;
 }
 
-static void cross3(double out[3], const double a[3], const double b[3])
-{
-    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* To unit length. Divides by the largest element first, so that no square over- or underflows. False: zero or not
  * finite. */
 static bool normalize3(double v[3])

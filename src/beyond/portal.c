@@ -33,7 +33,7 @@ void bis_portal_look(bis_portal_view *v, const bis_portal *portal, vec3 p)
         v->high[k] = v->low[k] + (1 + 2 * WIDER) * size;
         far2 += fmax(v->low[k] * v->low[k], v->high[k] * v->high[k]);
     }
-    for (int i = 0; i < 3; i++) a[2][i] = a[0][(i + 1) % 3] * a[1][(i + 2) % 3] - a[0][(i + 2) % 3] * a[1][(i + 1) % 3];
+    cross3(a[2], a[0], a[1]);
     const double side = copysign(1, dot3(a[2], to));
     for (int i = 0; i < 3; i++) a[2][i] *= side;
     v->z = dot3(a[2], to);

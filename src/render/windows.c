@@ -31,11 +31,6 @@ enum { RAYS = 4096, ESCAPED = 64, SLOTS = 4096, PLANES = 16, FOUND = 64, MARKS =
 
 static void take(double to[3], vec3 v) { to[0] = (double)v.x, to[1] = (double)v.y, to[2] = (double)v.z; }
 
-static void cross3(double c[3], const double a[3], const double b[3])
-{
-    for (int i = 0; i < 3; i++) c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 static void corners_of(double p[3][3], const bis_geometry *g, size_t t)
 {
     for (size_t k = 0; k < 3; k++) take(p[k], g->p[g->index[3 * t + k]]);

@@ -15,11 +15,6 @@
 
 #include <math.h>
 
-static void cross3(double out[3], const double a[3], const double b[3])
-{
-    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}
-
 /* a without its part along the unit vector n. */
 static void beside(double out[3], const double a[3], const double n[3])
 {

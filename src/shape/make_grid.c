@@ -24,7 +24,7 @@ static double size_of(const double a[3]) { return hypot(hypot(a[0], a[1]), a[2])
 /* A tangent a is off by less than 2 noise, as sqrt 3 < 2, and so a x b by less than 2 (noise_a |b| + noise_b |a|). */
 void bis_grid_normal(double out[3], const double along[3], const double across[3], const double noise[2])
 {
-    bis_grid_cross(out, along, across);
+    cross3(out, along, across);
     if (size_of(out) <= 2 * (noise[0] * size_of(across) + noise[1] * size_of(along))) out[0] = out[1] = out[2] = 0;
 }
 

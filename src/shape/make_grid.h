@@ -25,9 +25,3 @@ void bis_grid_add(bis_mesh *m, size_t ns, size_t nt, bis_grid_at *at, const void
  * rounding noise, as where two sides of a patch cross, or at a pole, because the direction of noise means nothing.
  * noise: how far a part of each tangent may be off. */
 void bis_grid_normal(double out[3], const double along[3], const double across[3], const double noise[2]);
-
-/* bis_grid_cross stores a x b in out, which is neither of them. */
-static inline void bis_grid_cross(double out[3], const double a[3], const double b[3])
-{
-    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
-}

@@ -59,7 +59,7 @@ static void revolved_at(bis_grid_point *out, const void *surface, double s, doub
     /* the direction in which p turns; on the axis, in which the points before or behind it turn */
     const double side = t < 1 ? 1 : -1, axis[3] = {side * d[0], side * d[1], 0};
     const double *arm = out->p[0] != 0 || out->p[1] != 0 ? out->p : axis, round[3] = {-arm[1], arm[0], 0};
-    bis_grid_cross(out->n, round, d);
+    cross3(out->n, round, d);
 }
 
 /* Does the profile stay on one side of the axis, in a plane with it? */

@@ -276,7 +276,7 @@ static void to_limit(bis_mesh *m, const net *s)
         if (!valence) continue;
         if (is_border) border_tangents(along, across, s, first_of_border(s, s->start[i]));
         else inner_tangents(along, across, s, s->start[i], valence);
-        bis_grid_cross(n, along, across);
+        cross3(n, along, across);
         const double size = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
         if (size > 0 && isfinite(size)) m->n[i] = vec3_from(n[0] / size, n[1] / size, n[2] / size);
     }

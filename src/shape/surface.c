@@ -182,7 +182,7 @@ static void any_tangents(bis_tangents *t, const double n[3])
     for (int i = 0; i < 3; i++) t->u[i] = 0;
     t->u[c] = n[z] / size;
     t->u[z] = -n[c] / size;
-    for (int i = 0; i < 3; i++) t->v[i] = n[(i + 1) % 3] * t->u[(i + 2) % 3] - n[(i + 2) % 3] * t->u[(i + 1) % 3];
+    cross3(t->v, n, t->u);
 }
 
 /* p is linear in (u, v): its derivatives solve two equations for two edges. */

@@ -57,6 +57,12 @@ static inline double length(vec3 a) { return sqrt(dot(a, a)); }
 /* dot3 is the dot product of vectors of doubles. */
 static inline double dot3(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/* cross3 stores a x b in out, which is neither of them. */
+static inline void cross3(double out[3], const double a[3], const double b[3])
+{
+    for (int i = 0; i < 3; i++) out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+}
+
 /* normalize returns a / |a|. |a| must not be 0: a division by 0 is a defect of the caller. */
 static inline vec3 normalize(vec3 a) { return mul(a, 1 / length(a)); }
 static inline bool vec3_is_finite(vec3 a) { return isfinite(a.x) && isfinite(a.y) && isfinite(a.z); }

@@ -25,18 +25,13 @@ static const double u = 0x1p-24;
 /* A primitive as one ray sees it. */
 typedef enum sight { MISSED, DOUBTFUL, MET } sight;
 
-static void cross3(const double a[3], const double b[3], double n[3])
-{
-    for (int c = 0; c < 3; c++) n[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
 /* The edge's weight, and its bound. */
 static double edge_weight(const double a[3], const double b[3], const double d[3], double *error)
 {
     double n[3], m[3];
 
     for (int c = 0; c < 3; c++) m[c] = fabs(a[c]) + fabs(b[c]);
-    cross3(a, b, n);
+    cross3(n, a, b);
     *error = 18 * u * (fabs(d[0]) * m[1] * m[2] + fabs(d[1]) * m[2] * m[0] + fabs(d[2]) * m[0] * m[1]);
     return 2 * dot3(n, d);
 }
@@ -79,7 +74,7 @@ static sight see_triangle(const vec3 p[3], const ray *r, bool left, double *t, d
         e[c] = (double)b[c] - (double)a[c];
         f[c] = (double)last[c] - (double)a[c];
     }
-    cross3(e, f, n);
+    cross3(n, e, f);
     if (n[0] == 0 && n[1] == 0 && n[2] == 0) return MISSED; /* without area */
     for (int c = 0; c < 3; c++) {
         const int i = (c + 1) % 3, j = (c + 2) % 3;
