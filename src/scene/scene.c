@@ -80,13 +80,12 @@ static bis_status read_mesh(bis_mesh *m, const bis_mesh_desc *desc, bool wants_u
     return status;
 }
 
-/* What puts a mesh of this box on the origin: the middle of its lowest side comes there. A box without a side stays as
- * large as it is. */
+/* What puts a mesh that has a `fit` on the origin: the middle of its box's lowest side comes there. A box without a
+ * side stays as large as it is. */
 static bis_xform fit_of(const bis_mesh *m, const bis_mesh_desc *desc)
 {
     bis_box b = {{HUGE_VALF, HUGE_VALF, HUGE_VALF}, {-HUGE_VALF, -HUGE_VALF, -HUGE_VALF}};
 
-    if (!(desc->fit > 0)) return bis_xform_identity();
     for (size_t i = 0; i < 3 * m->n_triangles; i++) bis_box_include(&b, m->p[m->index[i]]);
     const double lo[3] = {(double)b.lo.x, (double)b.lo.y, (double)b.lo.z};
     const double side[3] = {(double)b.hi.x - lo[0], (double)b.hi.y - lo[1], (double)b.hi.z - lo[2]};
@@ -122,7 +121,7 @@ static bis_status add_mesh(bis_geometry *g, loaded *l, const bis_mesh_desc *desc
     if (!status && !l->is_read && desc->has_parts)
         status = bis_mesh_sort_parts(&l->parts, &l->mesh, desc->n_parts + 1, diag);
     if (status) return status;
-    if (!l->is_read) l->fit = fit_of(&l->mesh, desc);
+    if (!l->is_read && desc->fit > 0) l->fit = fit_of(&l->mesh, desc);
     l->is_read = true;
     const bis_xform to_world = desc->fit > 0 ? bis_xform_compose(&shape->to_world, &l->fit) : shape->to_world;
     const bool last = --l->shapes_left == 0;
